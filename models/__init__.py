@@ -1,0 +1,72 @@
+"""The registry of hysteresis models.
+
+>>> from hystbench import models
+>>> m = models.get("prandtl-ishlinskii").from_parameters(weights=[1.0, 0.5], thresholds=[0.0, 0.2])
+>>> m.predict([0.0, 0.5, 0.1]).round(3).tolist()
+[0.0, 0.65, 0.25]
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..plugins import Registry, UnknownPluginError
+from .base import Condition, HysteresisModel, InverseError, Run, load_parameters
+from .stepping import Stepper
+
+__all__ = [
+    "Condition",
+    "HysteresisModel",
+    "InverseError",
+    "Run",
+    "Stepper",
+    "UnknownModelError",
+    "check_model",
+    "get",
+    "ids",
+    "load",
+    "registry",
+]
+
+
+class UnknownModelError(UnknownPluginError):
+    """No registered model has that id; the message lists the known ids and names the nearest one."""
+
+
+registry: Registry[type[Any]] = Registry(
+    "hystbench.models", "model", required=("fit", "predict"), unknown=UnknownModelError
+)
+
+
+def get(name: str) -> type[Any]:
+    """Return the model class registered under ``name``.
+
+    Raises
+    ------
+    UnknownModelError
+        If there is none; the message lists the known ids and the nearest one.
+    """
+    return registry.get(name)
+
+
+def ids() -> list[str]:
+    """Ids of all registered models that can be loaded."""
+    return registry.ids()
+
+
+def load(path: Any) -> Any:
+    """Read a model that ``save`` wrote (JSON; nothing in the file is executed).
+
+    Raises
+    ------
+    InputError
+        If the file is missing, is no model file, or its parameters are not valid for the model it names.
+    """
+    return load_parameters(path, get)
+
+
+def check_model(cls: type[Any], **options: Any) -> None:
+    """Run the public conformance suite on a model class; see :func:`hystbench.models.conformance.check_model`."""
+    from .conformance import check_model as check
+
+    check(cls, **options)
