@@ -1,0 +1,128 @@
+"""The inverse of any model with a stepper, by search along its own trajectory.
+
+Trial (``peek``) and commit (``step``) of the memory are kept apart, so the search sees exactly the branch that the
+model would take and ``predict(invert(y)) = y`` holds wherever the output is reached at all.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from .base import InverseError
+from .stepping import Stepper
+
+__all__ = ["invert_by_search"]
+
+# The search leaves the training range by at most this factor: beyond it a model only extrapolates.
+REACH = 4.0
+# Brackets grow from this fraction of the input scale.
+FIRST_STEP = 1e-3
+
+
+def invert_by_search(
+    stepper: Stepper, y: NDArray[np.float64], x0: float, scale: float, approximate: bool
+) -> NDArray[np.float64]:
+    """Inputs whose outputs are ``y``, shape (n,), from the stepper's virgin state.
+
+    Parameters
+    ----------
+    stepper : Stepper
+        Its ``peek`` is searched and its ``step`` called once a sample.
+    x0 : float
+        The first input is searched for from here outwards.
+    scale : float
+        Typical input amplitude.
+    approximate : bool
+        Where the output is not reached, take the input whose output is nearest instead of raising.
+
+    Raises
+    ------
+    InverseError
+        If some output is not reached within the search range and ``approximate`` is false.
+    """
+    stepper.reset()
+    x = np.empty_like(y)
+    limit = REACH * max(scale, abs(x0), 1e-12)
+    tolerance = 1e-9 * max(1e-300, float(np.max(np.abs(y))))
+    step = FIRST_STEP * scale
+    here = x0
+    reached = stepper.peek(here)
+    for k in range(y.size):
+        target = float(y[k])
+        found = _search(stepper, target, here, reached, step, limit, tolerance)
+        if found is None:
+            found, error = _nearest(stepper, target, here, step, limit)
+            if not approximate:
+                raise InverseError(
+                    f"no input gives the output y[{k}] = {target:.6g}: from x = {here:.6g} the model reaches it nowhere "
+                    f"within {-limit:.4g} .. {limit:.4g}; the nearest output is off by {error:.3g}. "
+                    "Pass approximate=True (command line: --approximate) to take the nearest."
+                )
+        x[k] = found
+        if k:
+            step = max(FIRST_STEP * scale, abs(found - here))
+        here = found
+        reached = stepper.step(found)
+    return x
+
+
+def _search(
+    stepper: Stepper, target: float, here: float, reached: float, step: float, limit: float, tolerance: float
+) -> float | None:
+    """The nearest input that gives ``target``, the likelier direction first; None if there is none."""
+    gap = target - reached
+    if abs(gap) <= tolerance * 1e-3:
+        return here
+    # Outputs normally rise with the input; only where that side fails can the other one hold the answer.
+    for sign in (1.0, -1.0) if gap > 0 else (-1.0, 1.0):
+        inner, inner_gap = here, gap
+        reach = step
+        while True:
+            outer = here + sign * reach
+            if abs(outer) > limit:
+                outer = sign * limit
+                if sign * (outer - inner) <= 0:
+                    break
+            outer_gap = target - stepper.peek(outer)
+            if outer_gap == 0.0:
+                return outer
+            if (outer_gap > 0) != (inner_gap > 0):
+                root = _bisect(stepper, target, inner, outer)
+                # A sign change can also be a jump (a branch switch at a turn): then nothing was found here.
+                if abs(target - stepper.peek(root)) <= tolerance:
+                    return root
+            inner, inner_gap = outer, outer_gap
+            if abs(outer) >= limit:
+                break
+            reach *= 2.0
+    return None
+
+
+def _bisect(stepper: Stepper, target: float, inner: float, outer: float) -> float:
+    def gap(x: float) -> float:
+        return stepper.peek(x) - target
+
+    low, high = gap(inner), gap(outer)
+    # At the point where the motion turns, peek may see the branch of the old direction: look just beyond it.
+    if (low > 0) == (high > 0):
+        inner = inner + (outer - inner) * 1e-9
+        low = gap(inner)
+        if (low > 0) == (high > 0):
+            return outer
+    return float(brentq(gap, inner, outer, xtol=1e-15 * max(1.0, abs(inner)), rtol=8.9e-16, maxiter=200))
+
+
+def _nearest(stepper: Stepper, target: float, here: float, step: float, limit: float) -> tuple[float, float]:
+    """The input whose output is nearest to ``target``, among staying and moving either way; and its error."""
+    reaches = np.geomspace(1e-9 * limit, 2.0 * limit, 121)
+    candidates = np.concatenate([[here], here + reaches, here - reaches])
+    candidates = candidates[np.abs(candidates) <= limit]
+    if not candidates.size:
+        candidates = np.array([here])
+    errors = np.array([abs(stepper.peek(float(c)) - target) for c in candidates])
+    # Among equals the smallest motion wins: the candidates are ordered by distance within each direction.
+    best = np.flatnonzero(errors <= errors.min() * (1 + 1e-12))
+    chosen = best[np.argmin(np.abs(candidates[best] - here))]
+    return float(candidates[chosen]), float(errors[chosen])

@@ -1,0 +1,583 @@
+"""The proposed Maxwell-slip model: polylines in virtual deformation joined by modified Maxwell-slip transitions.
+
+Source: H. Qin, Z. Zhang, Z. Hou, L. Li, K. Liu, S. Bai, "Modeling and analysis of hysteresis using the Maxwell-slip
+model for variable stiffness actuators", section 3 (Eqs. 2-17) and section 5.
+
+Reading of the paper
+--------------------
+The major loop is an *upper* curve that rising motion follows and a *lower* curve that falling motion follows, both
+polylines (Eqs. 8, 9), closed at both ends by the transitions P (Eq. 10, x >= 0) and Q (x < 0). Each transition is a
+polyline because it is a sum of elements that stick and then slip one after another (Eqs. 2, 3, 16, 17); divided by its
+length e_0 and height it gives the *shape* v(d/e), from 0 to 1, by which any transition proceeds over the distance d.
+
+At a turning point the torque leaves its curve for the opposite one. With G the gap to that curve at the turning point
+and e the distance at which a chord of the transition's mean slope k (Eq. 12) from the turning point meets it (Eqs. 11,
+13, 14), the gap shrinks as G (1 − v(d/e)): Eq. 17's scaling of the elements by the deformation error e. For a straight
+opposite curve and a straight shape this is the chord itself.
+
+Where the opposite curve is at least as steep as the chord (the printed loop is, on DE and JK, against the condition
+that the model inherits), the chord would never meet it: the gap then closes at the rate ``CLOSING`` k.
+
+A turn inside a transition starts a path of the same shape back to the previous turning point (Eq. 15 updates turning
+points only on the curves); passing that point resumes the interrupted path. So minor loops close, the memory wipes
+out, and every path is a polyline whose inverse is the same path with its axes exchanged (section 5).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike
+from scipy.optimize import brentq
+
+from ..errors import InputError
+from .base import Condition, Floats, HysteresisModel, InverseError, Run, parameter_array
+from .motion import auto_dead_band, settled_from, turning_points
+from .polyline import fit_vertices, hat_basis
+from .stepping import KernelStepper
+
+__all__ = ["MaxwellSlip", "virtual_deformation"]
+
+CLOSING = 0.05
+"""Least rate at which a transition closes its gap, as a fraction of its mean slope."""
+
+# State: stored turning points, last input, last output, last direction, started, gap and length of the base
+# transition; then the turning points (x, y).
+_COUNT, _X, _Y, _DIRECTION, _STARTED, _GAP, _LENGTH, _STACK = 0, 1, 2, 3, 4, 5, 6, 7
+
+
+def virtual_deformation(theta: ArrayLike, l1: float, l3: float, x0: float) -> Floats:
+    """Virtual deformation h(θ) of Eq. 6 for six branches (N = 6), in the units of length squared over length.
+
+    Parameters
+    ----------
+    theta : array_like
+        Deflection, rad.
+    l1, l3, x0 : float
+        Crank and following link length and preload elongation, in one unit of length.
+    """
+    theta = np.asarray(theta, dtype=np.float64)
+    l2 = np.sqrt(l1**2 + l3**2 - 2.0 * l1 * l3 * np.cos(theta))
+    return (12.0 * (l1 + l2 - l3) + x0) * l1 * l3 * np.sin(theta) / l2
+
+
+def _initial_state(capacity: int) -> Floats:
+    return np.zeros(_STACK + 2 * (capacity + 2))
+
+
+@njit(cache=True)
+def _advance(x, state, params):
+    upper_x, upper_y, lower_x, lower_y, shape_pos, shape_neg, slopes = params
+    turned = False
+    if state[_STARTED] == 0.0:
+        # Midway between the curves, as the paper's start in A = G is on both.
+        y = 0.0
+        for q in range(2):
+            cx, cy = (upper_x, upper_y) if q == 0 else (lower_x, lower_y)
+            k = min(max(np.searchsorted(cx, x) - 1, 0), cx.size - 2)
+            y += 0.5 * (cy[k] + (x - cx[k]) * (cy[k + 1] - cy[k]) / (cx[k + 1] - cx[k]))
+        state[_STARTED] = 1.0
+        state[_X] = x
+        state[_Y] = y
+        state[_COUNT] = 1.0
+        state[_STACK] = x
+        state[_STACK + 1] = y
+        return y
+    if x == state[_X]:
+        return state[_Y]
+    direction = 1.0 if x > state[_X] else -1.0
+    cx, cy = (upper_x, upper_y) if direction > 0.0 else (lower_x, lower_y)
+    n = int(state[_COUNT])
+    if direction != state[_DIRECTION]:
+        if state[_DIRECTION] != 0.0:
+            state[_STACK + 2 * n] = state[_X]
+            state[_STACK + 2 * n + 1] = state[_Y]
+            n += 1
+        turned = n == 1
+        state[_DIRECTION] = direction
+    # Passing the turning point that the path aims at closes the minor loop and resumes the interrupted path.
+    while n >= 2 and direction * (x - state[_STACK + 2 * n - 4]) >= 0.0:
+        turned = n == 2
+        n = max(n - 2, 1)
+    at_x, at_y = state[_STACK + 2 * n - 2], state[_STACK + 2 * n - 1]
+    shape = shape_pos if at_x >= 0.0 else shape_neg
+    mean_slope = slopes[0] if at_x >= 0.0 else slopes[1]
+    if turned:
+        # The base transition from the turning point to the curve ahead: its gap, and its length by Eqs. 11-14.
+        k = min(max(np.searchsorted(cx, at_x) - 1, 0), cx.size - 2)
+        slope = (cy[k + 1] - cy[k]) / (cx[k + 1] - cx[k])
+        gap = direction * (cy[k] + (at_x - cx[k]) * slope - at_y)
+        length = 0.0
+        if abs(gap) <= 1e-12 * (cy[-1] - cy[0]):
+            gap = 0.0
+        elif gap > 0.0:
+            left = gap
+            at = at_x
+            while True:
+                # A turning point on a vertex belongs to the segment ahead.
+                if direction > 0.0:
+                    while k < cx.size - 2 and at >= cx[k + 1]:
+                        k += 1
+                    end = cx[k + 1] if k < cx.size - 2 else np.inf
+                else:
+                    while k > 0 and at <= cx[k]:
+                        k -= 1
+                    end = cx[k] if k > 0 else -np.inf
+                slope = (cy[k + 1] - cy[k]) / (cx[k + 1] - cx[k])
+                rate = max(mean_slope - slope, CLOSING * mean_slope)
+                stretch = abs(end - at)
+                if rate * stretch >= left:
+                    length += left / rate
+                    break
+                left -= rate * stretch
+                length += stretch
+                at = end
+        else:
+            # The curves cross here (the printed ones do near H): approach from beyond, slowly enough to keep rising.
+            steepest = 0.0
+            for q in range(shape.shape[1] - 1):
+                steepest = max(steepest, (shape[1, q + 1] - shape[1, q]) / (shape[0, q + 1] - shape[0, q]))
+            length = max(slopes[2 if at_x >= 0.0 else 3], -2.0 * gap * steepest / slopes[4])
+        state[_GAP] = gap
+        state[_LENGTH] = length
+    if n == 1 and abs(x - at_x) >= state[_LENGTH]:
+        n = 0
+    y = 0.0
+    closed = 0.0
+    if n >= 1:
+        length = state[_LENGTH] if n == 1 else abs(state[_STACK + 2 * n - 4] - at_x)
+        u = abs(x - at_x) / length
+        k = min(max(np.searchsorted(shape[0], u) - 1, 0), shape.shape[1] - 2)
+        closed = shape[1, k] + (u - shape[0, k]) * (shape[1, k + 1] - shape[1, k]) / (shape[0, k + 1] - shape[0, k])
+    if n >= 2:
+        y = at_y + closed * (state[_STACK + 2 * n - 3] - at_y)
+    else:
+        k = min(max(np.searchsorted(cx, x) - 1, 0), cx.size - 2)
+        y = cy[k] + (x - cx[k]) * (cy[k + 1] - cy[k]) / (cx[k + 1] - cx[k])
+        if n == 1:
+            y -= direction * state[_GAP] * (1.0 - closed)
+    state[_COUNT] = n
+    state[_X] = x
+    state[_Y] = y
+    return y
+
+
+@njit(cache=True)
+def _step(x, state, params, commit):
+    return _advance(x, state if commit else state.copy(), params)
+
+
+@njit(cache=True)
+def _run(x, state, params, out):
+    for i in range(x.size):
+        out[i] = _advance(x[i], state, params)
+
+
+@njit(cache=True)
+def _next_vertex(state, params):
+    """The next input, in the direction of motion, at which the current path bends (infinite where it never does)."""
+    upper_x, upper_y, lower_x, lower_y, shape_pos, shape_neg, slopes = params
+    direction = state[_DIRECTION]
+    x = state[_X]
+    n = int(state[_COUNT])
+    ahead = np.inf
+    # A bend within rounding of the present input has been reached.
+    reached = 1e-13 * (upper_x[-1] - upper_x[0])
+    if n <= 1:
+        cx = upper_x if direction > 0.0 else lower_x
+        # The end segments are continued, so the outer vertices are no bends.
+        for k in range(1, cx.size - 1):
+            distance = direction * (cx[k] - x)
+            if distance > reached:
+                ahead = min(ahead, distance)
+    if n >= 1:
+        at_x = state[_STACK + 2 * n - 2]
+        shape = shape_pos if at_x >= 0.0 else shape_neg
+        length = state[_LENGTH] if n == 1 else abs(state[_STACK + 2 * n - 4] - at_x)
+        for k in range(1, shape.shape[1]):
+            distance = direction * (at_x - x) + shape[0, k] * length
+            if distance > reached:
+                ahead = min(ahead, distance)
+    return x + direction * ahead
+
+
+@njit(cache=True)
+def _invert(y, state, params, out, reach):
+    """Follow the path from vertex to vertex and exchange its axes on the segment that holds the output.
+
+    Returns the index of the first sample that could not be reached within ``reach``, or the number of samples.
+    """
+    for i in range(y.size):
+        if i == 0:
+            _advance(out[0], state, params)
+            continue
+        target = y[i]
+        while target != state[_Y]:
+            direction = 1.0 if target > state[_Y] else -1.0
+            x0, y0 = state[_X], state[_Y]
+            if direction != state[_DIRECTION]:
+                # A short move makes the turn, so that the new path's vertices are known.
+                trial = state.copy()
+                nudge = x0 + direction * 1e-9 * reach
+                _advance(nudge, trial, params)
+                x1 = _next_vertex(trial, params)
+                if x1 == nudge:
+                    x1 = nudge + direction * 1e-9 * reach
+            else:
+                x1 = _next_vertex(state, params)
+            if abs(x1) > reach:
+                x1 = direction * reach
+                if direction * (x1 - x0) <= 0.0:
+                    return i
+            y1 = _advance(x1, state.copy(), params)
+            if direction * (y1 - y0) <= 0.0:
+                return i
+            if direction * (target - y1) >= 0.0:
+                _advance(x1, state, params)
+                if state[_Y] == y1 and target == y1:
+                    break
+                continue
+            x = x0 + (target - y0) * (x1 - x0) / (y1 - y0)
+            if x == x0:
+                break
+            _advance(x, state, params)
+            break
+        out[i] = state[_X]
+    return y.size
+
+
+class MaxwellSlip(HysteresisModel):
+    """Polyline curves in virtual deformation joined by modified Maxwell-slip transitions.
+
+    Parameters
+    ----------
+    vertices : int
+        Vertices of each curve (the paper's tables have 6).
+    elements : int
+        Maxwell-slip elements of each transition (the paper's Table 2 has 4).
+    geometry : tuple of float, optional
+        (l1, l3, x0): the input is the deflection θ and is first mapped to the virtual deformation h(θ) of Eq. 6.
+        None: the input is the virtual deformation itself.
+
+    ``from_parameters`` takes ``ascending`` (m, 2), ``descending`` (m, 2), ``transition_pos`` (N+1, 2) and
+    ``transition_neg`` (N+1, 2): vertices (x, y) in any order, as Tables 1 and 2 print them, and optionally
+    ``geometry`` (3,). A transition joins the ends of the two curves; it may continue the curve that motion follows
+    towards the end (as the printed one does), or lie on the way back from it.
+    """
+
+    id: ClassVar[str] = "maxwell-slip"
+    title: ClassVar[str] = "Maxwell-slip with virtual deformation"
+    summary: ClassVar[str] = "the proposed model: polyline curves, Maxwell-slip transitions, exact inverse"
+    source: ClassVar[str] = "Qin et al., Eqs. 2-17 and section 5"
+
+    def __init__(
+        self, vertices: int = 6, elements: int = 4, geometry: tuple[float, float, float] | None = None
+    ) -> None:
+        self.vertices = vertices
+        self.elements = elements
+        self.geometry = geometry
+
+    # ---- identification --------------------------------------------------------------------------------------------
+
+    def _identify(self, runs: Sequence[Run]) -> dict[str, Any]:
+        if self.vertices < 2 or self.elements < 1:
+            raise InputError("maxwell-slip needs at least 2 vertices a curve and 1 element a transition")
+        if self.geometry is not None:
+            runs = [Run(virtual_deformation(run.x, *self.geometry), run.y) for run in runs]
+        rising, falling = self._major_loop(runs)
+        segments = self.vertices - 1 + self.elements
+        try:
+            upper, lower = _closed_loop(rising, falling, segments)
+        except ValueError as error:
+            raise InputError(
+                f"the largest loop cannot be divided into {segments} segments a branch: {error}; "
+                "give a longer recording or fewer vertices and elements"
+            ) from None
+        candidates = [_assemble(upper, lower, self.elements, ahead) for ahead in (True, False)]
+        errors = []
+        for candidate in candidates:
+            trial = type(self)()
+            trial._set_parameters(self._check_parameters(**candidate))
+            residuals = [(trial._predict_run(run.x) - run.y)[settled_from(run.x) :] for run in runs]
+            errors.append(float(np.mean(np.concatenate(residuals) ** 2)))
+        chosen = int(np.argmin(errors))
+        self.notes_.append(
+            "transitions "
+            + ("continue the curve towards each end, as in the paper" if chosen == 0 else "follow each turn")
+            + f" (training RMSE {errors[chosen] ** 0.5:.3g}, the other way {errors[1 - chosen] ** 0.5:.3g})"
+        )
+        parameters = candidates[chosen]
+        if self.geometry is not None:
+            parameters["geometry"] = self.geometry
+        return parameters
+
+    def _major_loop(self, runs: Sequence[Run]) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
+        """Points of the largest half cycles, rising and falling."""
+        halves: list[tuple[float, bool, Floats, Floats]] = []
+        for run in runs:
+            points = turning_points(run.x, auto_dead_band(run.x))
+            # The first half cycle starts from an unknown memory; it serves only if there is no other.
+            first = 1 if points.size > 3 else 0
+            for start, stop in zip(points[first:-1], points[first + 1 :], strict=True):
+                x, y = run.x[start : stop + 1], run.y[start : stop + 1]
+                halves.append((abs(x[-1] - x[0]), bool(x[-1] > x[0]), x, y))
+        branches = []
+        for up in (True, False):
+            spans = [span for span, rises, _, _ in halves if rises is up]
+            if not spans:
+                raise InputError(
+                    f"the input never {'rises' if up else 'falls'}: a loop needs both; give a recording that turns"
+                )
+            chosen = [(x, y) for span, rises, x, y in halves if rises is up and span >= 0.97 * max(spans)]
+            branches.append((np.concatenate([x for x, _ in chosen]), np.concatenate([y for _, y in chosen])))
+        return branches[0], branches[1]
+
+    # ---- parameters ------------------------------------------------------------------------------------------------
+
+    @classmethod
+    def _check_parameters(
+        cls, ascending: Any, descending: Any, transition_pos: Any, transition_neg: Any, geometry: Any = None
+    ) -> dict[str, Any]:
+        curves = {
+            "ascending": ascending,
+            "descending": descending,
+            "transition_pos": transition_pos,
+            "transition_neg": transition_neg,
+        }
+        checked: dict[str, Any] = {}
+        for name, value in curves.items():
+            curve = parameter_array(name, value, (None, 2))
+            if curve.shape[0] < 2:
+                raise InputError(f"parameter {name} needs at least 2 vertices; it has {curve.shape[0]}")
+            curve = curve[np.argsort(curve[:, 0], kind="stable")]
+            if np.any(np.diff(curve, axis=0) <= 0.0):
+                raise InputError(f"parameter {name}: x and y must both increase strictly from vertex to vertex")
+            checked[name] = curve
+        _join(checked, "transition_pos", top=True)
+        _join(checked, "transition_neg", top=False)
+        checked["geometry"] = None
+        if geometry is not None:
+            l1, l3, x0 = parameter_array("geometry", geometry, (3,))
+            if not (0 < l1 < l3 and x0 >= 0):
+                raise InputError("parameter geometry must be (l1, l3, x0) with 0 < l1 < l3 and x0 >= 0")
+            checked["geometry"] = np.array([l1, l3, x0])
+        return checked
+
+    def _prepare(self) -> None:
+        p = self.parameters_
+        # A curve that a transition continues includes it; beyond the loop every curve goes on with its last slope,
+        # but where a transition has closed the loop both go on along its mean slope and stay together.
+        upper, lower = p["ascending"], p["descending"]
+        shapes, slopes, lengths = [], [], []
+        for name, top in (("transition_pos", True), ("transition_neg", False)):
+            transition = p[name]
+            length, height = transition[-1] - transition[0]
+            mean_slope = height / length
+            ahead = _join(p, name, top) == "ahead"
+            outer = transition[-1] if top else transition[0]
+            beyond = outer + (1.0 if top else -1.0) * np.array([length, height])
+            if ahead:
+                if top:
+                    upper = np.vstack([upper, transition[1:], beyond])
+                    lower = np.vstack([lower, beyond])
+                    shape = (transition - transition[0]) / (transition[-1] - transition[0])
+                else:
+                    lower = np.vstack([beyond, transition[:-1], lower])
+                    upper = np.vstack([beyond, upper])
+                    shape = 1.0 - ((transition - transition[0]) / (transition[-1] - transition[0]))[::-1]
+            else:
+                curve = lower if top else upper
+                (x1, y1), (x2, y2) = (curve[-2], curve[-1]) if top else (curve[0], curve[1])
+                inner = curve[-1] if top else curve[0]
+                continued = inner[1] + (y2 - y1) / (x2 - x1) * (transition[:, 0] - inner[0])
+                remaining = (transition[:, 1] - continued) / (outer[1] - (continued[-1] if top else continued[0]))
+                shape = np.column_stack([np.abs(transition[:, 0] - outer[0]) / length, 1.0 - remaining])
+                if top:
+                    shape = shape[::-1]
+            shape[0], shape[-1] = 0.0, 1.0
+            shapes.append(np.ascontiguousarray(shape.T))
+            slopes.append(mean_slope)
+            lengths.append(length)
+        gentlest = min(np.min(np.diff(c[:, 1]) / np.diff(c[:, 0])) for c in (upper, lower))
+        self._params = (
+            *(np.ascontiguousarray(column) for curve in (upper, lower) for column in curve.T),
+            *shapes,
+            np.array([*slopes, *lengths, gentlest]),
+        )
+
+    def _check_conditions(self) -> list[Condition]:
+        """The conditions of the model's ancestor (second source paper, Eqs. 14, 19, 20) on these curves."""
+        upper_x, upper_y, lower_x, lower_y, _, _, slopes = self._params
+        grid = np.union1d(upper_x, lower_x)
+        inside = grid[(grid >= self.parameters_["ascending"][0, 0]) & (grid <= self.parameters_["descending"][-1, 0])]
+        gap = np.interp(inside, upper_x, upper_y) - np.interp(inside, lower_x, lower_y)
+        conditions = [
+            Condition(
+                "the ascending curve lies above the descending one",
+                bool(np.all(gap >= -1e-9 * np.ptp(upper_y))),
+                f"smallest gap {gap.min():.4g} at x = {inside[np.argmin(gap)]:.4g}",
+            )
+        ]
+        for name, sign, slope in (("k+", 1.0, slopes[0]), ("k-", -1.0, slopes[1])):
+            steepest = 0.0
+            for curve in (self.parameters_["ascending"], self.parameters_["descending"]):
+                side = np.maximum(sign * curve[1:, 0], sign * curve[:-1, 0]) > 0.0
+                rates = (np.diff(curve[:, 1]) / np.diff(curve[:, 0]))[side]
+                steepest = max(steepest, float(rates.max(initial=0.0)))
+            conditions.append(
+                Condition(
+                    f"the transition slope {name} exceeds every slope of the curves on its side",
+                    bool(slope > steepest),
+                    f"{name} = {slope:.4g}, steepest segment {steepest:.4g}",
+                )
+            )
+        return conditions
+
+    # ---- evaluation ------------------------------------------------------------------------------------------------
+
+    def _map(self, x: Floats) -> Floats:
+        geometry = self.parameters_["geometry"]
+        return x if geometry is None else virtual_deformation(x, *geometry)
+
+    def _predict_run(self, x: Floats) -> Floats:
+        y = np.empty_like(x)
+        _run(self._map(x), _initial_state(x.size), self._params, y)
+        return y
+
+    def stepper(self) -> KernelStepper:
+        self._require_fitted()
+        geometry = self.parameters_["geometry"]
+        if geometry is None:
+            return KernelStepper(_step, _initial_state, self._params)
+
+        def kernel(x: float, state: Floats, params: Any, commit: bool) -> float:
+            return float(_step(float(virtual_deformation(x, *geometry)), state, params, commit))
+
+        return KernelStepper(kernel, _initial_state, self._params)
+
+    def _invert_run(self, y: Floats, x0: float, approximate: bool) -> Floats:
+        upper_x, upper_y, lower_x, lower_y = self._params[:4]
+        reach = 4.0 * max(abs(upper_x[0]), abs(upper_x[-1]))
+        # The first sample lies midway between the curves, which both rise: exchange the axes of the middle curve.
+        grid = np.union1d(np.union1d(upper_x, lower_x), [-reach, reach])
+        middle = 0.5 * (_extended(grid, upper_x, upper_y) + _extended(grid, lower_x, lower_y))
+        out = np.empty_like(y)
+        out[0] = np.interp(y[0], middle, grid)
+        # Each sample can close a loop and open another, and a vertex in between is a sample of its own.
+        capacity = y.size * (upper_x.size + lower_x.size + 8)
+        missed = _invert(y, _initial_state(min(capacity, 2 * y.size + 64)), self._params, out, reach)
+        if missed < y.size or not middle[0] <= y[0] <= middle[-1]:
+            if approximate:
+                return super()._invert_run(y, x0, approximate)
+            raise InverseError(
+                f"no input within {-reach:.4g} .. {reach:.4g} gives the output y[{missed % y.size}] = "
+                f"{y[missed % y.size]:.6g}; pass approximate=True (command line: --approximate) to take the nearest"
+            )
+        geometry = self.parameters_["geometry"]
+        return out if geometry is None else _deflection(out, *geometry)
+
+
+def _extended(x: Floats, curve_x: Floats, curve_y: Floats) -> Floats:
+    return hat_basis(x, curve_x) @ curve_y
+
+
+def _deflection(h: Floats, l1: float, l3: float, x0: float) -> Floats:
+    """The deflection whose virtual deformation is ``h`` (Eq. 6 solved for θ), on the rising range about zero."""
+    grid = np.linspace(0.0, np.pi, 2001)
+    values = virtual_deformation(grid, l1, l3, x0)
+    top = int(np.argmax(np.diff(values) <= 0.0)) or grid.size - 1
+    beyond = np.flatnonzero(np.abs(h) > values[top])
+    if beyond.size:
+        raise InverseError(
+            f"no deflection has the virtual deformation {h[beyond[0]]:.6g} at sample {beyond[0]}: "
+            f"the largest is {values[top]:.6g}, at {grid[top]:.4g} rad"
+        )
+    return np.array(
+        [
+            np.sign(v) * brentq(lambda t, v=abs(v): float(virtual_deformation(t, l1, l3, x0)) - v, 0.0, grid[top], xtol=1e-14)
+            for v in h
+        ]
+    )
+
+
+def _join(curves: dict[str, Any], name: str, top: bool) -> str:
+    """Where a transition lies: ``"ahead"`` continues the curve that motion follows towards the end, ``"behind"`` is the
+    way back from it."""
+    transition = curves[name]
+    towards, back = ("ascending", "descending") if top else ("descending", "ascending")
+    inner, outer = (transition[0], transition[-1]) if top else (transition[-1], transition[0])
+    end = {key: curves[key][-1 if top else 0] for key in (towards, back)}
+    near = 1e-9 * np.maximum(np.ptp(curves["ascending"], axis=0), np.ptp(curves["descending"], axis=0))
+    if np.all(np.abs(inner - end[towards]) <= near) and np.all(np.abs(outer - end[back]) <= near):
+        return "ahead"
+    if np.all(np.abs(inner - end[back]) <= near) and np.all(np.abs(outer - end[towards]) <= near):
+        return "behind"
+    raise InputError(
+        f"parameter {name} must join the {'upper' if top else 'lower'} ends of the ascending and descending curves; "
+        f"it runs from {transition[0].tolist()} to {transition[-1].tolist()}, they end at "
+        f"{curves['ascending'][-1 if top else 0].tolist()} and {curves['descending'][-1 if top else 0].tolist()}"
+    )
+
+
+def _closed_loop(
+    rising: tuple[Floats, Floats], falling: tuple[Floats, Floats], segments: int
+) -> tuple[Floats, Floats]:
+    """Vertices (segments + 1, 2) of the rising and the falling branch, fitted together so that they meet at both ends."""
+    low = min(rising[0].min(), falling[0].min())
+    high = max(rising[0].max(), falling[0].max())
+    grids = []
+    for x, y in (rising, falling):
+        vertices = fit_vertices(x, y, segments)
+        vertices[0], vertices[-1] = low, high
+        grids.append(vertices)
+    m = segments + 1
+    up, down = hat_basis(rising[0], grids[0]), hat_basis(falling[0], grids[1])
+    # Unknowns: all ordinates of the rising branch, then the inner ones of the falling branch; the ends are shared.
+    design = np.zeros((up.shape[0] + down.shape[0], 2 * m - 2))
+    design[: up.shape[0], :m] = up
+    design[up.shape[0] :, m:] = down[:, 1:-1]
+    design[up.shape[0] :, [0, m - 1]] = down[:, [0, -1]]
+    target = np.concatenate([rising[1], falling[1]])
+    values = np.linalg.lstsq(design, target, rcond=None)[0]
+    ordinates = (values[:m], np.concatenate([values[:1], values[m:], values[m - 1 : m]]))
+    branches = []
+    for grid, ordinate in zip(grids, ordinates, strict=True):
+        branches.append(np.column_stack([grid, _increasing(ordinate)]))
+    # The ends must stay shared after the correction.
+    branches[1][[0, -1]] = branches[0][[0, -1]]
+    branches[1][:, 1] = _increasing(np.clip(branches[1][:, 1], branches[0][0, 1], branches[0][-1, 1]), fixed=True)
+    return branches[0], branches[1]
+
+
+def _increasing(values: Floats, fixed: bool = False) -> Floats:
+    """The values raised where needed to increase strictly; with ``fixed`` both end values are kept."""
+    gap = 1e-6 * max(float(np.ptp(values)), 1e-300)
+    result = values.copy()
+    for k in range(1, result.size):
+        result[k] = max(result[k], result[k - 1] + gap)
+    if fixed:
+        result[-1] = values[-1]
+        for k in range(result.size - 2, 0, -1):
+            result[k] = min(result[k], result[k + 1] - gap)
+    return result
+
+
+def _assemble(upper: Floats, lower: Floats, elements: int, ahead: bool) -> dict[str, Any]:
+    """Divide the two branches of the major loop into curves and transitions."""
+    n = elements
+    if ahead:
+        return {
+            "ascending": upper[:-n],
+            "descending": lower[n:],
+            "transition_pos": upper[-n - 1 :],
+            "transition_neg": lower[: n + 1],
+        }
+    return {
+        "ascending": upper[n:],
+        "descending": lower[:-n],
+        "transition_pos": lower[-n - 1 :],
+        "transition_neg": upper[: n + 1],
+    }

@@ -1,0 +1,228 @@
+"""The Prandtl-Ishlinskii model: a weighted sum of play operators, with its inverse in closed form.
+
+Source: K. Kuhnen, H. Janocha, "Inverse feedforward controller for complex hysteretic nonlinearities in smart-material
+systems", Control and Intelligent Systems 29(3), 2001; P. Krejci, K. Kuhnen, "Inverse control of systems with
+hysteresis and creep", IEE Proc. Control Theory Appl. 148(3), 2001.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from numba import njit
+from scipy.optimize import nnls
+
+from ..errors import InputError
+from .base import Condition, Floats, HysteresisModel, InverseError, Run, parameter_array, parameter_number
+from .motion import settled_from
+from .stepping import KernelStepper
+
+# State: number of stored reversals, last input, last output, last direction, started; then the reversals (x, y).
+_COUNT, _X, _Y, _DIRECTION, _STARTED, _STACK = 0, 1, 2, 3, 4, 5
+
+
+def _initial_state(capacity: int) -> Floats:
+    return np.zeros(_STACK + 2 * (capacity + 2))
+
+
+@njit(cache=True)
+def _loading(d, thresholds, slopes, intercepts, per_step):
+    """Initial loading curve: sum of w_i max(d - r_i, 0) for d >= 0."""
+    if per_step > 0.0:
+        k = min(int(d * per_step), thresholds.size - 1)
+    else:
+        k = max(np.searchsorted(thresholds, d) - 1, 0)
+    return slopes[k] * d - intercepts[k]
+
+
+@njit(cache=True)
+def _advance(x, state, params):
+    thresholds, slopes, intercepts, per_step, offset = params
+    if state[_STARTED] == 0.0:
+        # From the demagnetised origin the operators have moved to x along the initial loading curve.
+        state[_STARTED] = 1.0
+        state[_DIRECTION] = np.sign(x)
+    elif x != state[_X]:
+        direction = 1.0 if x > state[_X] else -1.0
+        n = int(state[_COUNT])
+        if direction == -state[_DIRECTION]:
+            state[_STACK + 2 * n] = state[_X]
+            state[_STACK + 2 * n + 1] = state[_Y]
+            n += 1
+        state[_DIRECTION] = direction
+        # Wiping-out: a minor loop is forgotten once the input passes the reversal at which it began.
+        while n >= 2 and direction * (x - state[_STACK + 2 * n - 4]) >= 0.0:
+            n -= 2
+        if n == 1 and abs(x) >= abs(state[_STACK]):
+            n = 0
+        state[_COUNT] = n
+    else:
+        return state[_Y] + offset
+    n = int(state[_COUNT])
+    if n == 0:
+        y = _loading(abs(x), thresholds, slopes, intercepts, per_step)
+        if x < 0.0:
+            y = -y
+    else:
+        from_reversal = x - state[_STACK + 2 * n - 2]
+        y = 2.0 * _loading(0.5 * abs(from_reversal), thresholds, slopes, intercepts, per_step)
+        y = state[_STACK + 2 * n - 1] + (y if from_reversal > 0.0 else -y)
+    state[_X] = x
+    state[_Y] = y
+    return y + offset
+
+
+@njit(cache=True)
+def _step(x, state, params, commit):
+    return _advance(x, state if commit else state.copy(), params)
+
+
+@njit(cache=True)
+def _run(x, state, params, out):
+    for i in range(x.size):
+        out[i] = _advance(x[i], state, params)
+
+
+@njit(cache=True)
+def _plays(x, thresholds, out):
+    """Every play operator's output at every sample, shape (n, N)."""
+    for j in range(thresholds.size):
+        r = thresholds[j]
+        p = 0.0
+        for i in range(x.size):
+            p = min(max(p, x[i] - r), x[i] + r)
+            out[i, j] = p
+
+
+def _kernel_parameters(weights: Floats, thresholds: Floats, offset: float) -> tuple[Floats, Floats, Floats, float, float]:
+    """Prefix sums that make the initial loading curve one multiply-add, and the grid step if thresholds are uniform."""
+    steps = np.diff(thresholds)
+    uniform = steps.size > 0 and np.allclose(steps, steps[0], rtol=1e-9, atol=0.0)
+    per_step = (thresholds.size - 1) / thresholds[-1] if uniform else 0.0
+    return thresholds, np.cumsum(weights), np.cumsum(weights * thresholds), per_step, offset
+
+
+class PrandtlIshlinskii(HysteresisModel):
+    """Weighted play operators: y = offset + Σ w_i P_{r_i}[x].
+
+    The play operator P_r follows the input with a dead zone of half width r; before the first sample it is 0, so that
+    P(0) = clip(0, x0 − r, x0 + r). Evaluated through the stack of reversals, so the cost of a sample does not depend
+    on the number of operators.
+
+    Parameters
+    ----------
+    operators : int
+        Number of play operators; their thresholds divide half the input's range evenly.
+    weights : {"invertible", "nonnegative", "free"}
+        ``"invertible"`` keeps every partial sum w_0 + … + w_k positive: that is what the inverse needs, and it admits
+        negative weights, hence loops of either orientation. ``"nonnegative"`` makes counter-clockwise loops only.
+
+    ``from_parameters`` takes ``weights`` (N,), ``thresholds`` (N,) increasing from 0, and optionally ``offset``.
+    """
+
+    id: ClassVar[str] = "prandtl-ishlinskii"
+    title: ClassVar[str] = "Prandtl-Ishlinskii"
+    summary: ClassVar[str] = "weighted play operators, closed-form inverse; symmetric loops of either orientation"
+    source: ClassVar[str] = "Kuhnen & Janocha 2001; Krejci & Kuhnen 2001"
+
+    def __init__(self, operators: int = 40, weights: str = "invertible") -> None:
+        self.operators = operators
+        self.weights = weights
+
+    def _identify(self, runs: Sequence[Run]) -> dict[str, Any]:
+        if self.weights not in ("invertible", "nonnegative", "free"):
+            raise InputError(f"weights must be 'invertible', 'nonnegative' or 'free'; it is {self.weights!r}")
+        if self.operators < 1:
+            raise InputError(f"operators must be at least 1; it is {self.operators}")
+        # Beyond half the largest range a play operator never moves back: its threshold could not be identified.
+        reach = 0.5 * max(float(np.ptp(run.x)) for run in runs)
+        thresholds = reach * np.arange(self.operators) / self.operators
+        blocks, targets = [], []
+        for run in runs:
+            regressors = np.empty((run.x.size, thresholds.size))
+            _plays(run.x, thresholds, regressors)
+            first = settled_from(run.x)
+            blocks.append(regressors[first:])
+            targets.append(run.y[first:])
+        design, target = np.concatenate(blocks), np.concatenate(targets)
+        weights, offset = self._solve(design, target)
+        return {"weights": weights, "thresholds": thresholds, "offset": offset}
+
+    def _solve(self, design: Floats, target: Floats) -> tuple[Floats, float]:
+        ones = np.ones((target.size, 1))
+        if self.weights == "free":
+            solution = np.linalg.lstsq(np.hstack([design, ones]), target, rcond=1e-10)[0]
+            return solution[:-1], float(solution[-1])
+        floor = 0.0
+        if self.weights == "invertible":
+            # In the partial sums W_k the model is Σ W_k (P_k − P_{k+1}) + W_N P_N, so W_k > 0 is a bound on unknowns.
+            design = np.hstack([design[:, :-1] - design[:, 1:], design[:, -1:]])
+            floor = 1e-6 * np.ptp(target) / max(float(np.ptp(design.sum(axis=1))), 1e-300)
+        columns = np.hstack([design, ones, -ones])
+        factor, rotated = _reduce(columns, target - floor * design.sum(axis=1))
+        # Columns differ by orders of magnitude (large thresholds hardly move); nnls stops early unless they are scaled.
+        scale = np.linalg.norm(factor, axis=0)
+        scale[scale == 0.0] = 1.0
+        solution = nnls(factor / scale, rotated, maxiter=100 * columns.shape[1])[0] / scale
+        weights = solution[:-2] + floor
+        if self.weights == "invertible":
+            weights = np.diff(weights, prepend=0.0)
+        return weights, float(solution[-2] - solution[-1])
+
+    @classmethod
+    def _check_parameters(cls, weights: Any, thresholds: Any, offset: Any = 0.0) -> dict[str, Any]:
+        thresholds = parameter_array("thresholds", thresholds, (None,))
+        weights = parameter_array("weights", weights, (thresholds.size,))
+        if thresholds[0] != 0.0 or np.any(np.diff(thresholds) <= 0.0):
+            raise InputError("parameter thresholds must increase strictly and begin with 0")
+        return {"weights": weights, "thresholds": thresholds, "offset": parameter_number("offset", offset)}
+
+    def _prepare(self) -> None:
+        p = self.parameters_
+        self._params = _kernel_parameters(p["weights"], p["thresholds"], p["offset"])
+
+    def _check_conditions(self) -> list[Condition]:
+        partial = np.cumsum(self.parameters_["weights"])
+        bad = np.flatnonzero(partial <= 0.0)
+        detail = f"smallest partial sum {partial.min():.4g}"
+        if bad.size:
+            detail += f", first at threshold {self.parameters_['thresholds'][bad[0]]:.4g}"
+        return [Condition("every partial sum of the weights is positive (the inverse exists)", not bad.size, detail)]
+
+    def _predict_run(self, x: Floats) -> Floats:
+        y = np.empty_like(x)
+        _run(x, _initial_state(x.size), self._params, y)
+        return y
+
+    def stepper(self) -> KernelStepper:
+        self._require_fitted()
+        return KernelStepper(_step, _initial_state, self._params)
+
+    def _invert_run(self, y: Floats, x0: float, approximate: bool) -> Floats:
+        weights, thresholds, offset = (self.parameters_[k] for k in ("weights", "thresholds", "offset"))
+        partial = np.cumsum(weights)
+        bad = np.flatnonzero(partial <= 0.0)
+        if bad.size:
+            if approximate:
+                return super()._invert_run(y, x0, approximate)
+            raise InverseError(
+                f"no inverse exists: the partial sum of the weights up to threshold {thresholds[bad[0]]:.4g} is "
+                f"{partial[bad[0]]:.4g}, not positive, so the output does not rise with the input there. "
+                "Fit with weights='invertible', or pass approximate=True (command line: --approximate)."
+            )
+        # The inverse is again a sum of play operators: its loading curve is this one's with the axes exchanged.
+        inverse_thresholds = partial * thresholds - np.cumsum(weights * thresholds)
+        params = _kernel_parameters(np.diff(1.0 / partial, prepend=0.0), inverse_thresholds, 0.0)
+        x = np.empty_like(y)
+        _run(y - offset, _initial_state(y.size), params, x)
+        return x
+
+
+def _reduce(columns: Floats, target: Floats) -> tuple[Floats, Floats]:
+    """The least-squares problem through QR: as many rows as columns, the same minimum."""
+    if columns.shape[0] <= columns.shape[1]:
+        return columns, target
+    triangle = np.linalg.qr(np.column_stack([columns, target]), mode="r")
+    return triangle[:, :-1], triangle[:, -1]
