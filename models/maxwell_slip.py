@@ -300,7 +300,12 @@ class MaxwellSlip(HysteresisModel):
         errors = []
         for candidate in candidates:
             trial = type(self)()
-            trial._set_parameters(self._check_parameters(**candidate))
+            try:
+                trial._set_parameters(self._check_parameters(**candidate))
+            except InputError:
+                # The loop closes the other way: these vertices leave no gap for such a transition.
+                errors.append(np.inf)
+                continue
             residuals = [(trial._predict_run(run.x) - run.y)[settled_from(run.x) :] for run in runs]
             errors.append(float(np.mean(np.concatenate(residuals) ** 2)))
         chosen = int(np.argmin(errors))
@@ -393,7 +398,10 @@ class MaxwellSlip(HysteresisModel):
                 (x1, y1), (x2, y2) = (curve[-2], curve[-1]) if top else (curve[0], curve[1])
                 inner = curve[-1] if top else curve[0]
                 continued = inner[1] + (y2 - y1) / (x2 - x1) * (transition[:, 0] - inner[0])
-                remaining = (transition[:, 1] - continued) / (outer[1] - (continued[-1] if top else continued[0]))
+                gap = outer[1] - (continued[-1] if top else continued[0])
+                if (gap if top else -gap) <= 1e-3 * height:
+                    raise InputError(f"parameter {name} closes no gap between the continued curves")
+                remaining = (transition[:, 1] - continued) / gap
                 shape = np.column_stack([np.abs(transition[:, 0] - outer[0]) / length, 1.0 - remaining])
                 if top:
                     shape = shape[::-1]
@@ -412,7 +420,8 @@ class MaxwellSlip(HysteresisModel):
         """The conditions of the model's ancestor (second source paper, Eqs. 14, 19, 20) on these curves."""
         upper_x, upper_y, lower_x, lower_y, _, _, slopes = self._params
         grid = np.union1d(upper_x, lower_x)
-        inside = grid[(grid >= self.parameters_["ascending"][0, 0]) & (grid <= self.parameters_["descending"][-1, 0])]
+        ends = [self.parameters_[name][row, 0] for name in ("ascending", "descending") for row in (0, -1)]
+        inside = grid[(grid >= min(ends)) & (grid <= max(ends))]
         gap = np.interp(inside, upper_x, upper_y) - np.interp(inside, lower_x, lower_y)
         conditions = [
             Condition(

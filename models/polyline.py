@@ -11,6 +11,7 @@ __all__ = ["fit_vertices", "hat_basis"]
 
 Floats = NDArray[np.float64]
 BINS = 320
+ROUNDS = 12
 
 
 def hat_basis(x: Floats, vertices: Floats) -> Floats:
@@ -93,25 +94,64 @@ def fit_vertices(x: Floats, y: Floats, segments: int) -> Floats:
     if bx.size < segments + 1:
         raise ValueError(f"{bx.size} distinct abscissae are too few for {segments} segments")
     low, high = float(x.min()), float(x.max())
-    inner = bx[_segment(bx, by, weight, segments)][1:-1]
-    if not inner.size:
+    if segments == 1:
         return np.array([low, high])
+    vertices = _refine(x, y, bx[_segment(bx, by, weight, segments)])
+    error = _profile(x, y, vertices)[1]
+    # A kink between two bins can cost the programme two vertices: give the least useful one to the worst segment.
+    for _ in range(ROUNDS):
+        moved = _refine(x, y, _reallocate(x, y, vertices))
+        better = _profile(x, y, moved)[1]
+        if better >= 0.999 * error:
+            break
+        vertices, error = moved, better
+    return vertices
+
+
+def _profile(x: Floats, y: Floats, vertices: Floats) -> tuple[Floats, float]:
+    """Residuals and their sum of squares at the best ordinates for these vertices."""
+    basis = hat_basis(x, vertices)
+    # A tiny ridge keeps the problem defined where a segment holds no points.
+    gram = basis.T @ basis + 1e-12 * x.size * np.eye(basis.shape[1])
+    residuals = basis @ np.linalg.solve(gram, basis.T @ y) - y
+    return residuals, float(residuals @ residuals)
+
+
+def _refine(x: Floats, y: Floats, vertices: Floats) -> Floats:
+    """Move the inner vertices to a least-squares minimum, keeping their order."""
+    low, high = float(x.min()), float(x.max())
     span = high - low
-    # Gaps as unknowns (through a softmax-like normalisation) keep the order without constraints.
-    gaps = np.maximum(np.diff(np.concatenate([[low], inner, [high]])), 1e-4 * span)
+    parts = np.diff(np.concatenate([[low], vertices[1:-1], [high]]))
+    # Logarithms of the gaps as unknowns keep the order without constraints.
+    logarithms = np.log(np.maximum(parts, 1e-4 * span))
 
-    def vertices(logarithms: Floats) -> Floats:
-        parts = np.exp(np.concatenate([logarithms, [0.0]]))
-        return low + span * np.concatenate([[0.0], np.cumsum(parts) / parts.sum()])
+    def moved(unknowns: Floats) -> Floats:
+        gaps = np.exp(np.concatenate([unknowns, [0.0]]))
+        result = low + span * np.concatenate([[0.0], np.cumsum(gaps) / gaps.sum()])
+        result[-1] = high
+        return result
 
-    def residual(logarithms: Floats) -> Floats:
-        basis = hat_basis(x, vertices(logarithms))
-        # A tiny ridge keeps the problem defined where a segment holds no points.
-        gram = basis.T @ basis + 1e-12 * x.size * np.eye(basis.shape[1])
-        return basis @ np.linalg.solve(gram, basis.T @ y) - y
+    found = least_squares(
+        lambda unknowns: _profile(x, y, moved(unknowns))[0],
+        logarithms[:-1] - logarithms[-1],
+        x_scale=0.1,
+        xtol=1e-12,
+        ftol=1e-14,
+        gtol=1e-14,
+        max_nfev=60,
+    )
+    return moved(found.x)
 
-    start = np.log(gaps[:-1] / gaps[-1])
-    found = least_squares(residual, start, x_scale=0.1, xtol=1e-12, ftol=1e-14, gtol=1e-14, max_nfev=60)
-    result = vertices(found.x)
-    result[-1] = high
-    return result
+
+def _reallocate(x: Floats, y: Floats, vertices: Floats) -> Floats:
+    """Drop the inner vertex that is missed least and split the segment with the largest error."""
+    without = [_profile(x, y, np.delete(vertices, k))[1] for k in range(1, vertices.size - 1)]
+    kept = np.delete(vertices, 1 + int(np.argmin(without)))
+    residuals, _ = _profile(x, y, kept)
+    index = np.clip(np.searchsorted(kept, x) - 1, 0, kept.size - 2)
+    worst = int(np.argmax(np.bincount(index, residuals**2, kept.size - 1)))
+    inside = index == worst
+    # The kink lies where the residual of the chord is largest.
+    at = float(x[inside][np.argmax(np.abs(residuals[inside]))])
+    margin = 0.02 * (kept[worst + 1] - kept[worst])
+    return np.insert(kept, worst + 1, np.clip(at, kept[worst] + margin, kept[worst + 1] - margin))

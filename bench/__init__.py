@@ -1,0 +1,1 @@
+"""Runs: conditions, cells, metrics, timing, results and the command line."""

@@ -1,0 +1,297 @@
+"""One cell of a run: a model fitted to a dataset under a condition and a seed, then scored on every task."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import inspect
+import json
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from functools import lru_cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import datasets, models
+from ..datasets import Dataset, Recording, concatenate
+from .conditions import Conditioned, apply
+from .limits import CellTimeoutError, time_limit
+from .metrics import METRIC_VERSION, score
+from .results import METRIC_COLUMNS, TASKS, plain, write_cell
+from .timing import seconds_per_call
+
+__all__ = ["CellSpec", "data_hash", "fallback_cell", "run_cell"]
+
+Floats = NDArray[np.float64]
+STEP_BLOCK = 256
+"""Samples of one timed call of the stepper: a single step is too short to time and may hit a special case."""
+
+PACKAGES = ("hystbench", "numpy", "scipy", "numba", "filterpy")
+
+
+@dataclass(frozen=True)
+class CellSpec:
+    """What a cell computes; its key is the content hash of everything the result depends on."""
+
+    model: str
+    dataset: str
+    condition: str
+    seed: int
+    data: str
+    keep_arrays: bool
+    time_limit: float
+    timing_time: float
+
+    @property
+    def key(self) -> str:
+        cls = models.get(self.model)
+        document = {
+            "model": self.model,
+            "version": getattr(cls, "version", None),
+            "code": _code_hash(cls),
+            "hyperparameters": repr(cls().get_params()) if hasattr(cls, "get_params") else None,
+            "metrics": METRIC_VERSION,
+            "packages": {name: version(name) for name in PACKAGES},
+            **{k: v for k, v in asdict(self).items() if k not in ("timing_time",)},
+        }
+        return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()[:24]
+
+    @property
+    def name(self) -> str:
+        return f"{self.model} on {self.dataset} ({self.condition}, seed {self.seed})"
+
+
+@lru_cache(maxsize=64)
+def _code_hash(cls: type[Any]) -> str:
+    """Hash of the source of the model's package: a helper that changed must not leave old cells valid."""
+    module = importlib.import_module(cls.__module__)
+    try:
+        folder = Path(inspect.getfile(module)).parent
+        sources = sorted(folder.glob("*.py"))
+        return hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()
+    except (OSError, TypeError):
+        return ""
+
+
+@lru_cache(maxsize=16)
+def load_dataset(name: str) -> Dataset:
+    """The dataset, loaded once a process."""
+    return datasets.get(name)().load()
+
+
+def data_hash(dataset: Dataset) -> str:
+    """SHA-256 over every sample, the split and the assumed noise."""
+    digest = hashlib.sha256()
+    for part in (dataset.train, dataset.test):
+        for recording in part:
+            digest.update(f"{recording.name}|{recording.warm_up}|".encode())
+            for series in (recording.time, recording.x, recording.y):
+                digest.update(np.ascontiguousarray(series).tobytes())
+    digest.update(repr((dataset.x_sigma, dataset.y_sigma)).encode())
+    return digest.hexdigest()
+
+
+@lru_cache(maxsize=4)
+def _conditioned(name: str, condition: str, seed: int) -> Conditioned:
+    return apply(load_dataset(name), condition, seed)
+
+
+@lru_cache(maxsize=64)
+def warm_up(model: str) -> float:
+    """Compile the model's kernels on a small loop and return the seconds that took, so that no cell pays for it."""
+    start = time.perf_counter()
+    cls = models.get(model)
+    t = np.linspace(0.0, 4.0 * np.pi, 400)
+    x = np.sin(t)
+    y = x + 0.2 * np.sign(np.cos(t))
+    fitted = cls().fit(x, y)
+    fitted.predict(x)
+    if hasattr(fitted, "stepper"):
+        fitted.stepper().step(0.0)
+    if hasattr(fitted, "invert"):
+        _invert(fitted, y[:20], 0.0)
+    return time.perf_counter() - start
+
+
+def run_cell(spec: CellSpec, folder: Path) -> dict[str, Any]:
+    """Compute one cell, write it to ``folder`` and return it. Never raises for what a model does."""
+    cell = _empty_cell(spec)
+    arrays: dict[str, NDArray[Any]] = {}
+    marker = folder / f".{spec.key}.started"
+    marker.touch()
+    try:
+        with time_limit(spec.time_limit):
+            _fill(cell, arrays, spec)
+    except CellTimeoutError:
+        _finish(cell, "timeout", f"took longer than {spec.time_limit:g} s")
+    except Exception as error:  # whatever a model raises costs its own cell only
+        _finish(cell, "failed", _one_line(error))
+    write_cell(folder, cell, arrays if spec.keep_arrays else {})
+    marker.unlink(missing_ok=True)
+    return cell
+
+
+def fallback_cell(spec: CellSpec, folder: Path, status: str, message: str) -> dict[str, Any]:
+    """A cell for a model whose process died before it could write one itself."""
+    cell = _empty_cell(spec)
+    _finish(cell, status, message)
+    write_cell(folder, cell, {})
+    (folder / f".{spec.key}.started").unlink(missing_ok=True)
+    return cell
+
+
+def _empty_cell(spec: CellSpec) -> dict[str, Any]:
+    row = {"model": spec.model, "dataset": spec.dataset, "condition": spec.condition, "seed": spec.seed, "n": 0}
+    values = dict.fromkeys((*METRIC_COLUMNS, "fit_s", "predict_ns_per_sample", "step_ns"), np.nan)
+    return {
+        "key": spec.key,
+        "model": spec.model,
+        "dataset": spec.dataset,
+        "condition": spec.condition,
+        "seed": spec.seed,
+        "rows": [{**row, "task": task, **values, "status": "", "message": ""} for task in TASKS],
+        "fit": None,
+        "timing": {},
+        "filter": None,
+        "uncompensated": None,
+    }
+
+
+def _finish(cell: dict[str, Any], status: str, message: str) -> None:
+    """Give every task that has no status yet this one."""
+    for row in cell["rows"]:
+        if not row["status"]:
+            row.update(status=status, message=message)
+
+
+def _one_line(error: BaseException) -> str:
+    return " ".join(f"{type(error).__name__}: {error}".split())[:400]
+
+
+def _fill(cell: dict[str, Any], arrays: dict[str, NDArray[Any]], spec: CellSpec) -> None:
+    data = _conditioned(spec.dataset, spec.condition, spec.seed)
+    cell["filter"] = data.filter
+    cell["compile_s"] = warm_up(spec.model)
+    x, y, groups = concatenate(data.train)
+    fitted = models.get(spec.model)()
+    start = time.perf_counter()
+    fitted.fit(x, y, groups=groups)
+    timing = cell["timing"]
+    timing["fit_s"] = time.perf_counter() - start
+    cell["fit"] = {
+        "parameters": plain(getattr(fitted, "parameters_", {})),
+        "conditions": [plain(vars(c)) for c in getattr(fitted, "conditions_", [])],
+        "notes": list(getattr(fitted, "notes_", [])),
+    }
+    _record(arrays, data)
+    tasks: dict[str, Callable[..., None]] = {"forward": _forward, "inverse": _inverse, "compensation": _compensate}
+    for row in cell["rows"]:
+        try:
+            tasks[row["task"]](row, cell, arrays, fitted, data, spec)
+        except Exception as error:  # a task that fails leaves the others be
+            row.update(status="failed", message=_one_line(error))
+    for row in cell["rows"]:
+        for column in ("fit_s", "predict_ns_per_sample", "step_ns"):
+            row[column] = timing.get(column, np.nan)
+
+
+def _record(arrays: dict[str, NDArray[Any]], data: Conditioned) -> None:
+    seen, truth = data.test, data.truth
+    arrays["time"] = np.concatenate([r.time for r in truth])
+    arrays["recording"] = np.repeat(np.arange(len(truth)), [r.x.size for r in truth])
+    arrays["scored"] = _scored(truth)
+    arrays["x_seen"] = np.concatenate([r.x for r in seen])
+    arrays["x_true"] = np.concatenate([r.x for r in truth])
+    arrays["y_true"] = np.concatenate([r.y for r in truth])
+
+
+def _scored(recordings: Sequence[Recording]) -> NDArray[np.bool_]:
+    return np.concatenate([np.arange(r.x.size) >= r.warm_up for r in recordings])
+
+
+def _score(row: dict[str, Any], truth: Floats, estimate: Floats, recordings: Sequence[Recording], what: str) -> None:
+    estimate = np.asarray(estimate, dtype=np.float64)
+    if estimate.shape != truth.shape:
+        raise ValueError(f"{what} has shape {estimate.shape}, not {truth.shape}")
+    bad = np.flatnonzero(~np.isfinite(estimate))
+    if bad.size:
+        raise ValueError(f"{what} is {estimate[bad[0]]} at sample {bad[0]} ({bad.size} such samples)")
+    row.update(score(truth, estimate, _scored(recordings)), status="ok")
+
+
+def _forward(
+    row: dict[str, Any], cell: dict[str, Any], arrays: dict[str, Any], fitted: Any, data: Conditioned, spec: CellSpec
+) -> None:
+    estimate = fitted.predict(arrays["x_seen"], groups=arrays["recording"])
+    _score(row, arrays["y_true"], estimate, data.truth, "the prediction")
+    arrays["y_pred"] = np.asarray(estimate, dtype=np.float64)
+    timing = cell["timing"]
+    x = data.test[0].x
+    timing["predict_ns_per_sample"] = 1e9 / x.size * seconds_per_call(lambda: fitted.predict(x), spec.timing_time)
+    if hasattr(fitted, "stepper"):
+        stepper = fitted.stepper()
+        block = x[:STEP_BLOCK].tolist()
+
+        def steps() -> None:
+            for value in block:
+                stepper.step(value)
+
+        timing["step_ns"] = 1e9 / len(block) * seconds_per_call(steps, spec.timing_time)
+
+
+def _inverse(
+    row: dict[str, Any], cell: dict[str, Any], arrays: dict[str, Any], fitted: Any, data: Conditioned, spec: CellSpec
+) -> None:
+    if not hasattr(fitted, "invert"):
+        row.update(status="unsupported", message="the model has no invert")
+        return
+    estimates = []
+    start = time.perf_counter()
+    for recording in data.test:
+        estimates.append(_invert(fitted, recording.y, float(recording.x[0])))
+    elapsed = time.perf_counter() - start
+    estimate = np.concatenate(estimates)
+    _score(row, arrays["x_true"], estimate, data.truth, "the inverse")
+    arrays["x_inverse"] = estimate
+    cell["timing"]["invert_ns_per_sample"] = 1e9 * elapsed / estimate.size
+    wanted = np.concatenate([r.y for r in data.test])
+    back = fitted.predict(estimate, groups=arrays["recording"])
+    share = float(np.mean(np.abs(back - wanted) > 1e-6 * np.ptp(wanted)))
+    if share > 0.0:
+        row["message"] = f"{share:.1%} of the samples have no exact inverse; the nearest output was taken there"
+
+
+def _compensate(
+    row: dict[str, Any], cell: dict[str, Any], arrays: dict[str, Any], fitted: Any, data: Conditioned, spec: CellSpec
+) -> None:
+    plant = load_dataset(spec.dataset).plant
+    if plant is None:
+        row.update(status="unsupported", message="recorded data: there is no plant to drive")
+        return
+    if not hasattr(fitted, "invert"):
+        row.update(status="unsupported", message="the model has no invert")
+        return
+    x, y, _ = concatenate(data.train)
+    slope, level = np.polyfit(x, y, 1)
+    compensated, uncompensated = [], []
+    for recording in data.truth:
+        reference = recording.y
+        compensated.append(plant(recording.time, _invert(fitted, reference, float(recording.x[0]))))
+        # Without a hysteresis model an engineer divides by the stiffness: the best line through the training data.
+        uncompensated.append(plant(recording.time, (reference - level) / slope))
+    _score(row, arrays["y_true"], np.concatenate(compensated), data.truth, "the compensated torque")
+    arrays["y_compensated"] = np.concatenate(compensated)
+    arrays["y_uncompensated"] = np.concatenate(uncompensated)
+    cell["uncompensated"] = score(arrays["y_true"], arrays["y_uncompensated"], _scored(data.truth))
+
+
+def _invert(fitted: Any, y: Floats, x0: float) -> Floats:
+    """The model's inverse, the nearest input where none is exact and the model can offer that."""
+    if "approximate" in inspect.signature(fitted.invert).parameters:
+        return fitted.invert(y, x0=x0, approximate=True)
+    return fitted.invert(y, x0=x0)

@@ -1,0 +1,274 @@
+"""The ``hystbench`` command."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .. import __version__
+from ..errors import InputError
+from .console import EXIT_CHECK_FAILED, CommandGroup, execute, message
+
+__all__ = ["cli", "main"]
+
+
+def _names(ctx: click.Context, parameter: click.Parameter, value: str | None) -> list[str] | None:
+    if value is None:
+        return None
+    names = [name.strip() for name in value.split(",") if name.strip()]
+    if not names:
+        raise InputError(f"--{parameter.name} is empty; give ids separated by commas, see `hystbench list`")
+    return names
+
+
+def _column_options(*names: str) -> Any:
+    texts = {
+        "time": "Time column (default time_s; if absent, samples are numbered).",
+        "x": "Input column (default deflection_rad).",
+        "y": "Output column (default torque_nm).",
+    }
+
+    def decorate(function: Any) -> Any:
+        for name in reversed(names):
+            function = click.option(f"--{name}", metavar="COL", help=texts[name])(function)
+        return function
+
+    return decorate
+
+
+@click.group(cls=CommandGroup, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.version_option(__version__, prog_name="hystbench")
+def cli() -> None:
+    """Benchmark, identify and compensate hysteresis.
+
+    \b
+    Examples:
+      hystbench run --quick --out report      all models on all loops, then open report/report.html
+      hystbench fit loop.csv --model bouc-wen --out model.json
+      hystbench predict model.json motion.csv --out torque.csv
+    """
+
+
+@cli.command()
+@click.option("--models", metavar="A,B", callback=_names, help="Model ids (default: all).")
+@click.option("--datasets", metavar="A,B", callback=_names, help="Dataset ids (default: all that are on this machine).")
+@click.option("--out", type=click.Path(path_type=Path), default=Path("hystbench-report"), show_default=True,
+              help="Folder for results.parquet, run.json and report.html.")  # fmt: skip
+@click.option("--jobs", type=click.IntRange(1, 1024), help="Processes (default: one a core).")
+@click.option("--quick", is_flag=True, help="One seed and fewer conditions, for a first look.")
+@click.option("--resume/--fresh", default=True, help="Keep cells that --out holds already (default), or compute all.")
+def run(
+    models: list[str] | None, datasets: list[str] | None, out: Path, jobs: int | None, quick: bool, resume: bool
+) -> None:
+    """Run models on datasets and write the HTML report.
+
+    \b
+    Example:
+      hystbench run --models maxwell-slip,cubic --datasets vsa-published --out report
+    """
+    import os
+
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    from ..reports import render
+    from .run import plan_run
+    from .run import run as compute
+
+    if out.exists() and not out.is_dir():
+        raise InputError(f"--out {out} is a file; name a folder")
+    plan = plan_run(models, datasets, quick)
+    absent = [s["what"] for s in plan.skipped if s["what"].startswith("dataset") and "hystbench data fetch" in s["why"]]
+    if absent:
+        names = ", ".join(what.removeprefix("dataset ") for what in absent)
+        message(f"recorded data not on this machine, left out: {names}; `hystbench data fetch` gets them")
+    for skipped in plan.skipped:
+        if skipped["what"] not in absent:
+            message(f"{skipped['what']} left out: {' '.join(skipped['why'].split())}")
+    out.mkdir(parents=True, exist_ok=True)
+    counts: dict[str, int] = {}
+    console = Console(stderr=True)
+    with Progress(
+        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(),
+        console=console, transient=True, disable=not console.is_terminal,
+    ) as progress:  # fmt: skip
+        task = progress.add_task("cells", total=len(plan.cells))
+
+        def advance(cell: dict[str, Any]) -> None:
+            for row in cell["rows"]:
+                counts[row["status"]] = counts.get(row["status"], 0) + 1
+            progress.update(task, advance=1, description=f"{cell['model']} on {cell['dataset']}")
+
+        command = ["hystbench", *sys.argv[1:]]
+        compute(plan, out, jobs or os.cpu_count() or 1, not resume, command, advance)
+        progress.update(task, description="report")
+        page = render(out)
+    told = ", ".join(f"{counts[status]} {status}" for status in sorted(counts))
+    message(f"{len(plan.cells)} cells: {told}")
+    click.echo(str(page))
+
+
+@cli.command()
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+def report(folder: Path) -> None:
+    """Render DIR/report.html again from the results in DIR.
+
+    \b
+    Example:
+      hystbench report hystbench-report
+    """
+    from ..reports import render
+
+    click.echo(str(render(folder)))
+
+
+@cli.command()
+@click.argument("base", type=click.Path(path_type=Path))
+@click.argument("new", type=click.Path(path_type=Path))
+@click.option("--tolerance", default="5%", show_default=True, help="Allowed growth of a cell's NRMSE.")
+def compare(base: Path, new: Path, tolerance: str) -> int:
+    """Compare two runs cell by cell: exit 1 if NEW is worse than BASE anywhere, 2 if nothing could be compared.
+
+    \b
+    Example:
+      hystbench compare main-report branch-report --tolerance 3%
+    """
+    from .compare import compare as compare_tables
+    from .compare import parse_tolerance
+    from .results import read_results
+
+    limit = parse_tolerance(tolerance)
+    compared, differences = compare_tables(read_results(base), read_results(new), limit)
+    for difference in differences:
+        figures = f"{difference.base:.4g} -> {difference.new:.4g}" if difference.base == difference.base else ""
+        click.echo(f"{difference.kind:<12}{difference.cell}  {figures}  {difference.message}".rstrip())
+    worse = sum(d.kind in ("regression", "failed", "missing") for d in differences)
+    if not compared and not worse:
+        raise InputError(f"no cell of {base} has a result in {new}: nothing was compared")
+    click.echo(f"{compared} cells compared at {limit:.3g} tolerance, {worse} worse")
+    return EXIT_CHECK_FAILED if worse else 0
+
+
+@cli.command(name="list")
+@click.argument("what", type=click.Choice(["models", "datasets", "effects"]))
+@click.option("--json", "as_json", is_flag=True, help="Machine-readable.")
+def list_(what: str, as_json: bool) -> None:
+    """List what is registered, one line each.
+
+    \b
+    Example:
+      hystbench list models
+    """
+    from .. import datasets, diagnosis, models
+
+    registry = {"models": models.registry, "datasets": datasets.registry, "effects": diagnosis.registry}[what]
+    entries = []
+    for name in registry.ids():
+        plugin: Any = registry.get(name)
+        entry = {"id": name, "title": getattr(plugin, "title", name), "summary": getattr(plugin, "summary", "")}
+        for key in ("kind", "licence", "source"):
+            if hasattr(plugin, key):
+                entry[key] = getattr(plugin, key)
+        entries.append(entry)
+    if as_json:
+        click.echo(json.dumps(entries, indent=1))
+        return
+    width = max((len(entry["id"]) for entry in entries), default=0)
+    for entry in entries:
+        click.echo(f"{entry['id']:<{width}}  {entry['summary'] or entry['title']}")
+    if not entries:
+        message(f"no {what} are registered")
+
+
+@cli.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--model", "model_id", required=True, metavar="ID", help="Model id, see `hystbench list models`.")
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="Model file to write (JSON).")
+@_column_options("x", "y", "time")
+def fit(file: Path, model_id: str, out: Path, x: str | None, y: str | None, time: str | None) -> None:
+    """Identify a model from a recording.
+
+    \b
+    Example:
+      hystbench fit loop.csv --model maxwell-slip --out model.json --x angle --y torque
+    """
+    import numpy as np
+
+    from .. import models
+    from ..datasets.recording_files import read_recording
+    from .metrics import score
+
+    cls = models.get(model_id)
+    recording = read_recording(file, x=x, y=y, time=time)
+    try:
+        model = cls().fit(recording.x, recording.y)
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from None
+    model.save(out)
+    figures = score(recording.y, np.asarray(model.predict(recording.x)))
+    click.echo(f"{out}: {model_id} fitted to {recording.x.size} samples, RMSE {figures['rmse']:.4g}, NRMSE {figures['nrmse']:.4g}")
+    for condition in getattr(model, "conditions_", []):
+        message(f"{'holds' if condition.holds else 'VIOLATED'}: {condition.name} ({condition.detail})")
+    for note in getattr(model, "notes_", []):
+        message(f"note: {note}")
+
+
+@cli.command()
+@click.argument("model", metavar="MODEL.json", type=click.Path(path_type=Path))
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="File to write (.csv or .parquet).")
+@_column_options("x", "y", "time")
+def predict(model: Path, file: Path, out: Path, x: str | None, y: str | None, time: str | None) -> None:
+    """Predict the output over the input column of FILE.
+
+    \b
+    Example:
+      hystbench predict model.json motion.csv --out torque.csv
+    """
+    from .. import models
+    from ..datasets.recording_files import DEFAULT_X, DEFAULT_Y, read_columns, write_recording
+
+    fitted = models.load(model)
+    columns = read_columns(file, {"x": x or DEFAULT_X}, time=time)
+    write_recording(out, {columns.time_name: columns.time, x or DEFAULT_X: columns["x"], y or DEFAULT_Y: fitted.predict(columns["x"])})
+    click.echo(str(out))
+
+
+@cli.command()
+@click.argument("model", metavar="MODEL.json", type=click.Path(path_type=Path))
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="File to write (.csv or .parquet).")
+@_column_options("x", "y", "time")
+@click.option("--x0", type=float, default=0.0, show_default=True, help="Input from which the first sample is looked for.")
+@click.option("--approximate", is_flag=True, help="Where no input gives the wanted output, take the nearest.")
+def invert(
+    model: Path, file: Path, out: Path, x: str | None, y: str | None, time: str | None, x0: float, approximate: bool
+) -> None:
+    """Find the input that gives the output column of FILE.
+
+    \b
+    Example:
+      hystbench invert model.json reference.csv --out deflection.csv
+    """
+    from .. import models
+    from ..datasets.recording_files import DEFAULT_X, DEFAULT_Y, read_columns, write_recording
+
+    fitted = models.load(model)
+    columns = read_columns(file, {"y": y or DEFAULT_Y}, time=time)
+    found = fitted.invert(columns["y"], x0=x0, approximate=approximate)
+    write_recording(out, {columns.time_name: columns.time, x or DEFAULT_X: found, y or DEFAULT_Y: columns["y"]})
+    click.echo(str(out))
+
+
+@cli.group(cls=CommandGroup)
+def data() -> None:
+    """List, fetch and verify the recorded datasets."""
+
+
+def main() -> None:
+    """Entry point of the ``hystbench`` command."""
+    sys.exit(execute(cli))

@@ -1,0 +1,94 @@
+"""The result table: one row per model x dataset x condition x task x seed, and the finished cells it is made of."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ..errors import InputError
+from ..files import replacing, write_text
+
+__all__ = ["COLUMNS", "METRIC_COLUMNS", "TASKS", "read_cells", "read_results", "write_cell", "write_results"]
+
+TASKS = ("forward", "inverse", "compensation")
+KEYS = ("dataset", "model", "condition", "task", "seed")
+METRIC_COLUMNS = ("mae", "mre", "rmse", "max_abs", "nrmse")
+TIME_COLUMNS = ("fit_s", "predict_ns_per_sample", "step_ns")
+COLUMNS = ("model", "dataset", "condition", "task", "seed", "n", *METRIC_COLUMNS, *TIME_COLUMNS, "status", "message")
+
+
+def plain(value: Any) -> Any:
+    """``value`` as JSON can hold it: arrays as lists, what is not finite as null."""
+    if isinstance(value, Mapping):
+        return {str(k): plain(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(v) for v in value]
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def write_cell(folder: Path, cell: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
+    """Write one finished cell, its arrays first: a cell whose JSON exists is whole."""
+    if arrays:
+        with replacing(folder / f"{cell['key']}.npz") as temporary:
+            np.savez_compressed(temporary, **arrays)
+    write_text(folder / f"{cell['key']}.json", json.dumps(plain(cell), indent=1, allow_nan=False) + "\n")
+
+
+def read_cells(folder: Path) -> dict[str, dict[str, Any]]:
+    """All finished cells by their key."""
+    cells = {}
+    for path in sorted(folder.glob("*.json")):
+        try:
+            cells[path.stem] = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            # Not written by us, or damaged since: the cell is simply computed again.
+            continue
+    return cells
+
+
+def write_results(path: Path, cells: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
+    """Write the rows of all cells to a Parquet file, sorted, so that equal results make equal files."""
+    rows = [row for cell in cells for row in cell["rows"]]
+    table = pd.DataFrame(rows, columns=list(COLUMNS))
+    table = table.astype(
+        {"seed": "int64", "n": "int64", **dict.fromkeys((*METRIC_COLUMNS, *TIME_COLUMNS), "float64")}
+    )
+    table = table.sort_values(list(KEYS), ignore_index=True)
+    with replacing(path) as temporary:
+        table.to_parquet(temporary, index=False)
+    return table
+
+
+def read_results(where: str | Path) -> pd.DataFrame:
+    """Read the result table of a run folder (or the Parquet file itself).
+
+    Raises
+    ------
+    InputError
+        If there is none, or it lacks a column.
+    """
+    path = Path(where)
+    if path.is_dir():
+        path = path / "results.parquet"
+    if not path.exists():
+        raise InputError(f"{path}: no results there; `hystbench run --out {path.parent}` makes them")
+    try:
+        table = pd.read_parquet(path)
+    except Exception as error:
+        raise InputError(f"{path}: not a result table ({type(error).__name__}); run `hystbench run` again") from None
+    missing = [column for column in COLUMNS if column not in table.columns]
+    if missing:
+        raise InputError(f"{path}: not a result table of this version, it lacks {', '.join(missing)}")
+    return table
