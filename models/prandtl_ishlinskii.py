@@ -118,6 +118,9 @@ class PrandtlIshlinskii(HysteresisModel):
     weights : {"invertible", "nonnegative", "free"}
         ``"invertible"`` keeps every partial sum w_0 + … + w_k positive: that is what the inverse needs, and it admits
         negative weights, hence loops of either orientation. ``"nonnegative"`` makes counter-clockwise loops only.
+    least_slope : float
+        With ``"invertible"``: smallest partial sum, as a fraction of the loop's mean slope. The inverse is as steep as
+        this is small.
 
     ``from_parameters`` takes ``weights`` (N,), ``thresholds`` (N,) increasing from 0, and optionally ``offset``.
     """
@@ -127,15 +130,18 @@ class PrandtlIshlinskii(HysteresisModel):
     summary: ClassVar[str] = "weighted play operators, closed-form inverse; symmetric loops of either orientation"
     source: ClassVar[str] = "Kuhnen & Janocha 2001; Krejci & Kuhnen 2001"
 
-    def __init__(self, operators: int = 40, weights: str = "invertible") -> None:
+    def __init__(self, operators: int = 40, weights: str = "invertible", least_slope: float = 0.02) -> None:
         self.operators = operators
         self.weights = weights
+        self.least_slope = least_slope
 
     def _identify(self, runs: Sequence[Run]) -> dict[str, Any]:
         if self.weights not in ("invertible", "nonnegative", "free"):
             raise InputError(f"weights must be 'invertible', 'nonnegative' or 'free'; it is {self.weights!r}")
         if self.operators < 1:
             raise InputError(f"operators must be at least 1; it is {self.operators}")
+        if not 0.0 < self.least_slope < 1.0:
+            raise InputError(f"least_slope must lie between 0 and 1; it is {self.least_slope}")
         # Beyond half the largest range a play operator never moves back: its threshold could not be identified.
         reach = 0.5 * max(float(np.ptp(run.x)) for run in runs)
         thresholds = reach * np.arange(self.operators) / self.operators
@@ -159,7 +165,7 @@ class PrandtlIshlinskii(HysteresisModel):
         if self.weights == "invertible":
             # In the partial sums W_k the model is Σ W_k (P_k − P_{k+1}) + W_N P_N, so W_k > 0 is a bound on unknowns.
             design = np.hstack([design[:, :-1] - design[:, 1:], design[:, -1:]])
-            floor = 1e-6 * np.ptp(target) / max(float(np.ptp(design.sum(axis=1))), 1e-300)
+            floor = self.least_slope * np.ptp(target) / max(float(np.ptp(design.sum(axis=1))), 1e-300)
         columns = np.hstack([design, ones, -ones])
         factor, rotated = _reduce(columns, target - floor * design.sum(axis=1))
         # Columns differ by orders of magnitude (large thresholds hardly move); nnls stops early unless they are scaled.

@@ -1,0 +1,384 @@
+"""The Preisach model: relays over a triangle of thresholds, evaluated through its Everett function.
+
+Source: F. Preisach 1935; D. H. Everett 1955; I. D. Mayergoyz, "Mathematical models of hysteresis", Springer 1991.
+
+With E(a, b) the total weight of the relays with alpha <= a and beta >= b, a rise from the turning point b to a changes
+the output by 2 E(a, b), a fall from a to b by −2 E(a, b), and passing an earlier turning point wipes it out. So a
+sample costs O(1) however many relays there are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+
+from ..errors import InputError
+from .base import Condition, Floats, HysteresisModel, Run, parameter_array, parameter_number
+from .motion import settled_from
+from .stepping import KernelStepper
+
+__all__ = ["Preisach"]
+
+# State: number of stored turning points, last input, last output, last direction, started; then the points (x, y).
+_COUNT, _X, _Y, _DIRECTION, _STARTED, _STACK = 0, 1, 2, 3, 4, 5
+
+TABLE_LIMIT = 4_000_000
+"""Entries of the Everett table (32 MB); relays with more distinct thresholds are refused."""
+
+DISCRETE_SHARE = 0.5
+"""Data whose output stands still in more than this share of the moves were made by relays."""
+
+
+def _initial_state(capacity: int) -> Floats:
+    return np.zeros(_STACK + 2 * (capacity + 2))
+
+
+@njit(cache=True)
+def _everett(a, b, alphas, betas, table, diagonal, width):
+    """Weight of the relays with alpha <= a and beta >= b, for a >= b."""
+    if width == 0.0:
+        return table[np.searchsorted(alphas, a, side="right"), np.searchsorted(betas, b)]
+    # Uniform cells: alphas[0] is the lowest edge, and the table holds the sums at the cells' corners.
+    cells = diagonal.size
+    fa = min(max((a - alphas[0]) / width, 0.0), float(cells))
+    fb = min(max((b - alphas[0]) / width, 0.0), float(cells))
+    i = min(int(fa), cells - 1)
+    j = min(int(fb), cells - 1)
+    fa -= i
+    fb -= j
+    if i == j:
+        return diagonal[i] * (fa - fb)
+    low = table[i, j] + fb * (table[i, j + 1] - table[i, j])
+    high = table[i + 1, j] + fb * (table[i + 1, j + 1] - table[i + 1, j])
+    return low + fa * (high - low)
+
+
+@njit(cache=True)
+def _virgin(x, alphas, betas, rise_at, rise, fall_at, fall, width):
+    """Change of the output from the demagnetised state to ``x``, reached without turning."""
+    if width == 0.0:
+        return 2.0 * (rise[np.searchsorted(rise_at, x, side="right")] - fall[np.searchsorted(fall_at, x)])
+    # rise and fall hold, for each cell from zero outwards, the sum so far and the linear and quadratic parts.
+    away = abs(x) / width
+    sums = rise if x >= 0.0 else fall
+    cells = sums.size // 3
+    k = min(int(away), cells - 1)
+    f = min(away - k, 1.0)
+    change = 2.0 * (sums[3 * k] + f * sums[3 * k + 1] + f * f * sums[3 * k + 2])
+    return change if x >= 0.0 else -change
+
+
+@njit(cache=True)
+def _advance(x, state, params):
+    alphas, betas, table, diagonal, rise_at, rise, fall_at, fall, level, width = params
+    if state[_STARTED] == 0.0:
+        state[_STARTED] = 1.0
+        state[_DIRECTION] = np.sign(x)
+    elif x != state[_X]:
+        direction = 1.0 if x > state[_X] else -1.0
+        n = int(state[_COUNT])
+        if direction == -state[_DIRECTION]:
+            state[_STACK + 2 * n] = state[_X]
+            state[_STACK + 2 * n + 1] = state[_Y]
+            n += 1
+        state[_DIRECTION] = direction
+        while n >= 2 and direction * (x - state[_STACK + 2 * n - 4]) >= 0.0:
+            n -= 2
+        if n == 1 and abs(x) >= abs(state[_STACK]):
+            n = 0
+        state[_COUNT] = n
+    else:
+        return state[_Y]
+    n = int(state[_COUNT])
+    if n == 0:
+        y = level + _virgin(x, alphas, betas, rise_at, rise, fall_at, fall, width)
+    else:
+        turn = state[_STACK + 2 * n - 2]
+        y = state[_STACK + 2 * n - 1]
+        if x >= turn:
+            y += 2.0 * _everett(x, turn, alphas, betas, table, diagonal, width)
+        else:
+            y -= 2.0 * _everett(turn, x, alphas, betas, table, diagonal, width)
+    state[_X] = x
+    state[_Y] = y
+    return y
+
+
+@njit(cache=True)
+def _step(x, state, params, commit):
+    return _advance(x, state if commit else state.copy(), params)
+
+
+@njit(cache=True)
+def _run(x, state, params, out):
+    for i in range(x.size):
+        out[i] = _advance(x[i], state, params)
+
+
+def _relay_parameters(alpha: Floats, beta: Floats, weights: Floats, offset: float) -> tuple[Any, ...]:
+    """Everett table of discrete relays over their distinct thresholds, and the cumulative sums of the virgin curve."""
+    alphas, ai = np.unique(alpha, return_inverse=True)
+    betas, bi = np.unique(beta, return_inverse=True)
+    if (alphas.size + 1) * (betas.size + 1) > TABLE_LIMIT:
+        raise InputError(
+            f"{alphas.size} x {betas.size} distinct thresholds are too many (limit {TABLE_LIMIT} pairs); "
+            "put the relays on a grid"
+        )
+    table = np.zeros((alphas.size + 1, betas.size + 1))
+    np.add.at(table, (ai + 1, bi), weights)
+    table = np.cumsum(np.cumsum(table, axis=0)[:, ::-1], axis=1)[:, ::-1].copy()
+    up = alpha + beta <= 0.0
+    level = offset + float(weights[up].sum() - weights[~up].sum())
+    order = np.argsort(alpha[~up], kind="stable")
+    rise_at, rise = alpha[~up][order], np.concatenate([[0.0], np.cumsum(weights[~up][order])])
+    order = np.argsort(beta[up], kind="stable")
+    # Relays that start up fall where beta >= x: sums from the top.
+    fall_at = beta[up][order]
+    fall = np.concatenate([np.cumsum(weights[up][order][::-1])[::-1], [0.0]])
+    return alphas, betas, table, np.zeros(1), rise_at, rise, fall_at, fall, level, 0.0
+
+
+def _cell_parameters(grid: Floats, offset: float, width: float) -> tuple[Any, ...]:
+    """Everett corners of uniform cells; ``grid[i, j]`` is the weight of alpha cell i and beta cell j <= i."""
+    cells = grid.shape[0]
+    half = cells // 2
+    diagonal = np.diag(grid).copy()
+    table = np.zeros((cells + 1, cells + 1))
+    table[1:, :-1] = grid
+    table = np.cumsum(np.cumsum(table, axis=0)[:, ::-1], axis=1)[:, ::-1].copy()
+    edges = width * (np.arange(cells + 1) - half)
+    rise, fall = np.zeros((half, 3)), np.zeros((half, 3))
+    total_up = total_down = 0.0
+    for k in range(half):
+        # Cells of rising alpha from zero on, above the antidiagonal, which halves the last cell of each strip.
+        i = half + k
+        across = grid[i, cells - 1 - i]
+        linear = float(grid[i, cells - i : i + 1].sum())
+        rise[k] = total_up, linear, 0.5 * across
+        total_up += linear + 0.5 * across
+        j = half - 1 - k
+        across = grid[cells - 1 - j, j]
+        linear = float(grid[j : cells - 1 - j, j].sum())
+        fall[k] = total_down, linear, 0.5 * across
+        total_down += linear + 0.5 * across
+    level = offset + total_down - total_up
+    empty = np.zeros(0)
+    return edges, edges, table, diagonal, empty, rise.ravel(), empty, fall.ravel(), level, width
+
+
+class Preisach(HysteresisModel):
+    """Preisach: y = offset + Σ w_i relay_i, from the demagnetised state.
+
+    Relay i is +1 once x >= alpha_i and −1 once x <= beta_i; at first it is +1 where alpha_i + beta_i <= 0. With
+    ``width`` > 0 the relays are spread evenly over square cells of a grid of that spacing about zero (those with
+    alpha = beta along the diagonal, where they have no memory), so that the output is continuous.
+
+    Parameters
+    ----------
+    levels : int
+        Cells across the input's range; the number of unknowns grows with its square.
+    signs : {"auto", "nonnegative", "clockwise", "free"}
+        Signs of the weights. Non-negative ones make counter-clockwise loops. Torque-deflection loops run clockwise:
+        then the weights off the diagonal are at most 0 and those on it, the part without memory, at least 0.
+        ``"auto"`` decides by the sense in which the recording's loops run.
+    smoothing : float
+        Weight of the ridge that settles what the recording does not tell.
+
+    ``from_parameters`` takes ``alpha`` (M,), ``beta`` (M,), ``weights`` (M,), ``offset`` and optionally ``width``.
+    """
+
+    id: ClassVar[str] = "preisach"
+    title: ClassVar[str] = "Preisach"
+    summary: ClassVar[str] = "relays over a triangle of thresholds; any loop shape with wiping-out and congruent minor loops"
+    source: ClassVar[str] = "Mayergoyz 1991"
+
+    def __init__(self, levels: int = 24, signs: str = "auto", smoothing: float = 1e-5) -> None:
+        self.levels = levels
+        self.signs = signs
+        self.smoothing = smoothing
+
+    # ---- identification --------------------------------------------------------------------------------------------
+
+    def _identify(self, runs: Sequence[Run]) -> dict[str, Any]:
+        if self.levels < 2:
+            raise InputError(f"levels must be at least 2; it is {self.levels}")
+        if self.signs not in ("auto", "nonnegative", "clockwise", "free"):
+            raise InputError(f"signs must be 'auto', 'nonnegative', 'clockwise' or 'free'; it is {self.signs!r}")
+        if self.smoothing < 0.0:
+            raise InputError(f"smoothing must not be negative; it is {self.smoothing}")
+        thresholds = _switching_thresholds(runs)
+        if thresholds is not None:
+            alpha, beta = (v.ravel() for v in np.meshgrid(*thresholds, indexing="ij"))
+            alpha, beta = alpha[alpha >= beta], beta[alpha >= beta]
+            width = 0.0
+            self.notes_.append(
+                f"the output is piecewise constant: discrete relays at {thresholds[0].size} upper and "
+                f"{thresholds[1].size} lower thresholds where it jumps"
+            )
+        else:
+            low = min(float(run.x.min()) for run in runs)
+            high = max(float(run.x.max()) for run in runs)
+            width = (high - low) / self.levels
+            cells = 2 * int(np.ceil(max(abs(low), abs(high)) / width - 1e-9))
+            centres = width * (np.arange(cells) + 0.5 - cells // 2)
+            inside = centres[(centres + 0.5 * width > low) & (centres - 0.5 * width < high)]
+            alpha, beta = (v.ravel() for v in np.meshgrid(inside, inside, indexing="ij"))
+            alpha, beta = alpha[alpha >= beta], beta[alpha >= beta]
+        design, target = self._responses(runs, alpha, beta, width)
+        weights, offset = self._solve(design, target, alpha, beta, self._choose_signs(runs))
+        idle = float(np.mean(np.ptp(design, axis=0) < 1e-9))
+        if idle > 0.0:
+            self.notes_.append(f"{idle:.0%} of the cells never change in this recording; their weights are not identified")
+        return {"alpha": alpha, "beta": beta, "weights": weights, "offset": offset, "width": width}
+
+    def _choose_signs(self, runs: Sequence[Run]) -> str:
+        if self.signs != "auto":
+            return self.signs
+        work = sum(float(np.sum(0.5 * (run.y[1:] + run.y[:-1]) * np.diff(run.x))) for run in runs)
+        # What a reversible curve stores between first and last sample is no sense of rotation.
+        slope = np.polyfit(np.concatenate([r.x for r in runs]), np.concatenate([r.y for r in runs]), 1)
+        work -= sum(float(np.polyval(np.polyint(slope), run.x[-1]) - np.polyval(np.polyint(slope), run.x[0])) for run in runs)
+        chosen = "clockwise" if work > 0.0 else "nonnegative"
+        self.notes_.append(f"loops run {'clockwise' if work > 0.0 else 'counter-clockwise'}: signs = {chosen!r}")
+        return chosen
+
+    def _responses(self, runs: Sequence[Run], alpha: Floats, beta: Floats, width: float) -> tuple[Floats, Floats]:
+        """Output of every cell with unit weight at every settled sample, shape (n, M), and the measured output."""
+        parts = [settled_from(run.x) for run in runs]
+        design = np.empty((sum(run.x.size - part for run, part in zip(runs, parts, strict=True)), alpha.size))
+        unit = np.zeros(alpha.size)
+        for column in range(alpha.size):
+            unit[column] = 1.0
+            params = self._kernel_parameters(alpha, beta, unit, 0.0, width)
+            unit[column] = 0.0
+            start = 0
+            for run, part in zip(runs, parts, strict=True):
+                out = np.empty_like(run.x)
+                _run(run.x, _initial_state(run.x.size), params, out)
+                design[start : start + out.size - part, column] = out[part:]
+                start += out.size - part
+        return design, np.concatenate([run.y[part:] for run, part in zip(runs, parts, strict=True)])
+
+    def _solve(self, design: Floats, target: Floats, alpha: Floats, beta: Floats, signs: str) -> tuple[Floats, float]:
+        """Weights and offset of the ridge-regularised least-squares problem under the sign constraints."""
+        sign = np.where((signs == "clockwise") & (alpha > beta), -1.0, 1.0)
+        # Profiling the offset out leaves it free of sign and ridge.
+        mean, level = design.mean(axis=0), float(target.mean())
+        centred = (design - mean) * sign
+        ridge = np.sqrt(self.smoothing * target.size) * np.eye(alpha.size)
+        stacked = np.vstack([centred, ridge])
+        triangle = np.linalg.qr(np.column_stack([stacked, np.concatenate([target - level, np.zeros(alpha.size)])]), mode="r")
+        factor, rotated = triangle[:-1, :-1], triangle[:-1, -1]
+        if signs == "free":
+            weights = np.linalg.lstsq(factor, rotated, rcond=None)[0]
+        else:
+            weights = nnls(factor, rotated, maxiter=30 * alpha.size)[0]
+        weights = weights * sign
+        return weights, level - float(mean @ weights)
+
+    # ---- parameters ------------------------------------------------------------------------------------------------
+
+    @classmethod
+    def _check_parameters(cls, alpha: Any, beta: Any, weights: Any, offset: Any, width: Any = 0.0) -> dict[str, Any]:
+        alpha = parameter_array("alpha", alpha, (None,))
+        beta = parameter_array("beta", beta, (alpha.size,))
+        weights = parameter_array("weights", weights, (alpha.size,))
+        width = parameter_number("width", width)
+        bad = np.flatnonzero(alpha < beta)
+        if bad.size:
+            raise InputError(f"parameter alpha[{bad[0]}] = {alpha[bad[0]]} is below beta[{bad[0]}] = {beta[bad[0]]}")
+        if width < 0.0:
+            raise InputError(f"parameter width must not be negative; it is {width}")
+        if width > 0.0:
+            for name, values in (("alpha", alpha), ("beta", beta)):
+                places = values / width - 0.5
+                if np.any(np.abs(places - np.round(places)) > 1e-6):
+                    raise InputError(f"parameter {name}: with width > 0 the cells must be centred at (k + 1/2) width")
+        return {"alpha": alpha, "beta": beta, "weights": weights, "offset": parameter_number("offset", offset), "width": width}
+
+    @staticmethod
+    def _kernel_parameters(alpha: Floats, beta: Floats, weights: Floats, offset: float, width: float) -> tuple[Any, ...]:
+        if width == 0.0:
+            return _relay_parameters(alpha, beta, weights, offset)
+        half = int(np.round(max(np.abs(alpha).max(), np.abs(beta).max()) / width + 0.5))
+        i, j = (np.round(v / width - 0.5).astype(int) + half for v in (alpha, beta))
+        grid = np.zeros((2 * half, 2 * half))
+        np.add.at(grid, (i, j), weights)
+        return _cell_parameters(grid, offset, width)
+
+    def _prepare(self) -> None:
+        p = self.parameters_
+        self._params = self._kernel_parameters(p["alpha"], p["beta"], p["weights"], p["offset"], p["width"])
+
+    def _check_conditions(self) -> list[Condition]:
+        p = self.parameters_
+        off = p["weights"][p["alpha"] > p["beta"]]
+        told = f"weights off the diagonal from {off.min():.4g} to {off.max():.4g}" if off.size else "no weight off the diagonal"
+        return [
+            Condition("every closed loop runs clockwise (dissipates): no positive weight off the diagonal", bool(np.all(off <= 0.0)), told),
+            Condition("every closed loop runs counter-clockwise: no negative weight off the diagonal", bool(np.all(off >= 0.0)), told),
+        ]
+
+    # ---- evaluation ------------------------------------------------------------------------------------------------
+
+    def _predict_run(self, x: Floats) -> Floats:
+        y = np.empty_like(x)
+        _run(x, _initial_state(x.size), self._params, y)
+        return y
+
+    def stepper(self) -> KernelStepper:
+        self._require_fitted()
+        return KernelStepper(_step, _initial_state, self._params)
+
+
+def _switching_thresholds(runs: Sequence[Run]) -> tuple[Floats, Floats] | None:
+    """Upper and lower thresholds where the output jumps, or None where it is not piecewise constant."""
+    span = max(float(np.ptp(run.y)) for run in runs)
+    moves = np.concatenate([np.diff(run.x) for run in runs])
+    jumps = np.concatenate([np.diff(run.y) for run in runs])
+    starts = np.concatenate([run.x[:-1] for run in runs])
+    still = np.abs(jumps) <= 1e-12 * span
+    moving = moves != 0.0
+    if span == 0.0 or not np.any(moving) or np.mean(still[moving]) <= DISCRETE_SHARE:
+        return None
+    found = []
+    for sign in (1.0, -1.0):
+        chosen = ~still & (sign * moves > 0.0)
+        ends = starts[chosen] + moves[chosen]
+        low, high = np.minimum(starts[chosen], ends), np.maximum(starts[chosen], ends)
+        found.append(_common_points(low, high))
+    return (found[0], found[1]) if found[0].size and found[1].size else None
+
+
+def _common_points(low: Floats, high: Floats) -> Floats:
+    """One point in each group of intervals that overlap: the middle of what they have in common."""
+    points = []
+    order = np.argsort(high, kind="stable")
+    left: float | None = None
+    right = 0.0
+    for a, b in zip(low[order].tolist(), high[order].tolist(), strict=True):
+        if left is not None and a < right:
+            left = max(left, a)
+            continue
+        if left is not None:
+            points.append(0.5 * (left + right))
+        left, right = a, b
+    if left is not None:
+        points.append(0.5 * (left + right))
+    return np.array(points)
+
+
+def relay_outputs(x: Floats, alpha: Floats, beta: Floats) -> NDArray[np.int8]:
+    """Every relay at every sample, shape (n, M), by the definition: for figures and for checking."""
+    state = np.where(alpha + beta <= 0.0, 1, -1).astype(np.int8)
+    out = np.empty((x.size, alpha.size), dtype=np.int8)
+    for k, value in enumerate(x):
+        state[value >= alpha] = 1
+        state[value <= beta] = -1
+        out[k] = state
+    return out

@@ -1,0 +1,121 @@
+"""The page: everything that the template needs, gathered and rendered."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from .. import __version__
+from ..bench.metrics import METRICS
+from ..bench.results import TASKS
+from ..files import write_text
+from . import figures, tables
+from .run_directory import RunDirectory, read_run
+
+__all__ = ["render"]
+
+
+def render(run_dir: str | Path) -> Path:
+    """Write ``run_dir/report.html`` from the results there and return its path.
+
+    The page is one file that loads nothing from anywhere; the same results give the same bytes.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no results.
+    """
+    run = read_run(Path(run_dir))
+    environment = Environment(
+        loader=PackageLoader("hystbench.reports"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    page = environment.get_template("report.html.j2").render(_context(run))
+    target = run.path / "report.html"
+    write_text(target, page)
+    return target
+
+
+def _context(run: RunDirectory) -> dict[str, Any]:
+    document = run.document
+    total, done = document.get("cells_total", 0), document.get("cells_done", 0)
+    studied = [d for d in run.datasets if len(run.conditions(d)) > 1]
+    status = run.table["status"].value_counts()
+    return {
+        "version": __version__,
+        "run": document,
+        "verdict": _verdict(run),
+        "incomplete": "" if document.get("finished") and done >= total else f"{done} of {total} cells are finished",
+        "headlines": [(tables.TASK_TITLES[task], tables.headline_table(run, task)) for task in TASKS],
+        "papers": [(n, t, tables.order_statement(run, n)) for n in (4, 5) if (t := tables.paper_table(run, n)) is not None],
+        "metrics": METRICS,
+        "datasets": [_dataset(run, name) for name in run.datasets],
+        "noise_figure": Markup(figures.noise_study(run, studied)) if studied else "",
+        "reversals": tables.reversal_table(run),
+        "compensation": tables.compensation_table(run),
+        "timing": tables.timing_table(run),
+        "fits": [_fit(run, name) for name in run.models],
+        "statuses": [(name, int(count)) for name, count in sorted(status.items())],
+        "failures": _failures(run),
+    }
+
+
+def _verdict(run: RunDirectory) -> str:
+    """Who wins where, in plain words."""
+    sentences = []
+    words = {
+        "forward": "predicts the output best",
+        "inverse": "inverts it best",
+        "compensation": "compensates best",
+    }
+    for task, text in words.items():
+        best = tables.best_models(run, task)
+        wins: dict[str, list[str]] = {}
+        for dataset, model in best.items():
+            wins.setdefault(model, []).append(dataset)
+        ranked = sorted(wins.items(), key=lambda item: (-len(item[1]), item[0]))
+        told = "; ".join(f"{run.model_title(m)} on {', '.join(d)}" for m, d in ranked)
+        if told:
+            sentences.append(f"{text[0].upper()}{text[1:]}: {told}.")
+    return " ".join(sentences) or "No model finished any task."
+
+
+def _dataset(run: RunDirectory, name: str) -> dict[str, Any]:
+    return {
+        "id": name,
+        "info": run.dataset(name),
+        "condition": run.reference_condition(name),
+        "table": tables.dataset_table(run, name),
+        "loops": Markup(figures.loops(run, name)),
+        "errors": Markup(figures.errors_over_time(run, name)),
+        "hash": run.document.get("data", {}).get(name, {}).get("sha256", ""),
+    }
+
+
+def _fit(run: RunDirectory, model: str) -> dict[str, Any]:
+    """What each fit of a model under the reference condition found out about itself."""
+    entries = []
+    for dataset in run.datasets:
+        cells = sorted(
+            run.iter_cells(model=model, dataset=dataset, condition=run.reference_condition(dataset)),
+            key=lambda c: c["seed"],
+        )
+        if cells and cells[0].get("fit"):
+            entries.append({"dataset": dataset, **cells[0]["fit"]})
+    return {"title": run.model_title(model), "info": run.document.get("models", {}).get(model, {}), "entries": entries}
+
+
+def _failures(run: RunDirectory) -> list[dict[str, Any]]:
+    """Failed and timed-out cells, equal reasons together."""
+    bad = run.table[run.table["status"].isin(["failed", "timeout"])]
+    grouped = bad.groupby(["model", "dataset", "status", "message"], sort=True).size()
+    return [
+        {"model": run.model_title(m), "dataset": d, "status": s, "message": text, "count": int(count)}
+        for (m, d, s, text), count in grouped.items()
+    ]

@@ -1,0 +1,106 @@
+"""What a run left behind: its table, its cells and where they came from."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ..bench.results import read_cells, read_results
+from ..errors import InputError
+
+__all__ = ["RunDirectory", "read_run"]
+
+CONDITION_ORDER = ("clean", "noisy", "kalman", "smoothed", "recorded")
+MODEL_ORDER = ("maxwell-slip", "cubic", "bouc-wen", "preisach", "prandtl-ishlinskii", "choi-backlash")
+
+
+@dataclass(frozen=True)
+class RunDirectory:
+    """A run folder, read."""
+
+    path: Path
+    table: pd.DataFrame
+    cells: dict[str, dict[str, Any]]
+    document: dict[str, Any]
+
+    @cached_property
+    def models(self) -> list[str]:
+        """Model ids in the report's order: the six of the source papers first, then the others by name."""
+        found = set(self.table["model"]) | set(self.document.get("models", {}))
+        return [m for m in MODEL_ORDER if m in found] + sorted(found - set(MODEL_ORDER))
+
+    @cached_property
+    def datasets(self) -> list[str]:
+        """Dataset ids: synthetic ones first."""
+        found = set(self.table["dataset"]) | set(self.document.get("datasets", {}))
+        return sorted(found, key=lambda d: (self.dataset(d).get("kind") == "recorded", not d.startswith("vsa"), d))
+
+    def dataset(self, name: str) -> dict[str, Any]:
+        """What run.json says of a dataset."""
+        return self.document.get("datasets", {}).get(name, {})
+
+    def model_title(self, name: str) -> str:
+        """The model's title for people."""
+        return self.document.get("models", {}).get(name, {}).get("title", name)
+
+    def conditions(self, dataset: str) -> list[str]:
+        """Conditions that were run on a dataset, from clean to filtered."""
+        found = set(self.table.loc[self.table["dataset"] == dataset, "condition"])
+        return [c for c in CONDITION_ORDER if c in found] + sorted(found - set(CONDITION_ORDER))
+
+    def reference_condition(self, dataset: str) -> str:
+        """The condition that the headline compares under: what an engineer would have, filtered where that was run."""
+        found = self.conditions(dataset)
+        for condition in ("recorded", "kalman", "noisy", "smoothed", "clean"):
+            if condition in found:
+                return condition
+        return ""
+
+    def rows(self, dataset: str, condition: str, task: str, model: str) -> pd.DataFrame:
+        """Rows of one model over the seeds."""
+        t = self.table
+        chosen = (t["dataset"] == dataset) & (t["condition"] == condition) & (t["task"] == task) & (t["model"] == model)
+        return t[chosen]
+
+    def iter_cells(self, **wanted: Any) -> Iterator[dict[str, Any]]:
+        """Cells whose entries equal ``wanted``."""
+        for cell in self.cells.values():
+            if all(cell.get(key) == value for key, value in wanted.items()):
+                yield cell
+
+    def arrays(self, model: str, dataset: str, condition: str) -> dict[str, np.ndarray]:
+        """Predictions of a model's first seed; empty if none were kept."""
+        for cell in sorted(self.iter_cells(model=model, dataset=dataset, condition=condition), key=lambda c: c["seed"]):
+            path = self.path / "cells" / f"{cell['key']}.npz"
+            if path.exists():
+                with np.load(path, allow_pickle=False) as stored:
+                    return {name: stored[name] for name in stored.files}
+        return {}
+
+
+def read_run(path: Path) -> RunDirectory:
+    """Read a run folder.
+
+    Raises
+    ------
+    InputError
+        If it holds no results.
+    """
+    table = read_results(path)
+    if table.empty:
+        raise InputError(f"{path}: the run finished no cell, so there is nothing to report; run `hystbench run` again")
+    try:
+        document = json.loads((path / "run.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        document = {}
+    cells = read_cells(path / "cells") if (path / "cells").is_dir() else {}
+    known = {(r["dataset"], r["model"], r["condition"], r["seed"]) for r in table.to_dict("records")}
+    mine = {k: c for k, c in cells.items() if (c["dataset"], c["model"], c["condition"], c["seed"]) in known}
+    return RunDirectory(path, table, mine, document if isinstance(document, dict) else {})
