@@ -57,7 +57,7 @@ class CellSpec:
             "hyperparameters": repr(cls().get_params()) if hasattr(cls, "get_params") else None,
             "metrics": METRIC_VERSION,
             "packages": {name: version(name) for name in PACKAGES},
-            **{k: v for k, v in asdict(self).items() if k not in ("timing_time",)},
+            **{k: v for k, v in asdict(self).items() if k not in ("timing_time", "time_limit")},
         }
         return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()[:24]
 

@@ -82,12 +82,10 @@ def run(
     if out.exists() and not out.is_dir():
         raise InputError(f"--out {out} is a file; name a folder")
     plan = plan_run(models, datasets, quick)
-    absent = [s["what"] for s in plan.skipped if s["what"].startswith("dataset") and "hystbench data fetch" in s["why"]]
-    if absent:
-        names = ", ".join(what.removeprefix("dataset ") for what in absent)
-        message(f"recorded data not on this machine, left out: {names}; `hystbench data fetch` gets them")
+    if plan.absent:
+        message(f"recorded data not on this machine, left out: {', '.join(plan.absent)}; `hystbench data fetch` gets them")
     for skipped in plan.skipped:
-        if skipped["what"] not in absent:
+        if skipped["what"].removeprefix("dataset ") not in plan.absent:
             message(f"{skipped['what']} left out: {' '.join(skipped['why'].split())}")
     out.mkdir(parents=True, exist_ok=True)
     counts: dict[str, int] = {}

@@ -44,6 +44,8 @@ class Plan:
     models: list[str]
     seeds: list[int]
     skipped: list[dict[str, str]] = field(default_factory=list)
+    absent: list[str] = field(default_factory=list)
+    """Recorded datasets among the skipped whose files are not on this machine."""
 
 
 def plan_run(model_ids: Sequence[str] | None, dataset_ids: Sequence[str] | None, quick: bool) -> Plan:
@@ -70,20 +72,19 @@ def plan_run(model_ids: Sequence[str] | None, dataset_ids: Sequence[str] | None,
     for registry in (models.registry, datasets.registry):
         plan.skipped += [{"what": f"{registry.kind} {name}", "why": why} for name, why in registry.broken.items()]
     for name in list(dict.fromkeys(dataset_ids)) if dataset_ids else datasets.ids():
-        cls = datasets.get(name)
+        datasets.get(name)
         try:
             dataset = load_dataset(name)
-        except DatasetUnavailableError as error:
+        except (DatasetUnavailableError, InputError) as error:
             if dataset_ids:
                 raise InputError(str(error)) from None
             plan.skipped.append({"what": f"dataset {name}", "why": str(error)})
+            if isinstance(error, DatasetUnavailableError):
+                plan.absent.append(name)
             continue
-        except InputError:
-            raise
         except Exception as error:  # a dataset plug-in's failure costs its own cells only
             plan.skipped.append({"what": f"dataset {name}", "why": f"{type(error).__name__}: {error}"})
             continue
-        del cls
         plan.datasets[name] = dataset
         plan.data[name] = data_hash(dataset)
         for condition in conditions_for(dataset):
@@ -150,10 +151,7 @@ def run(
         for cell in _compute(pending, folder, jobs):
             cells[cell["key"]] = cell
             advance(cell)
-        for path in folder.iterdir():
-            # Cells of other versions, data or models would otherwise stay for ever.
-            if path.suffix in (".json", ".npz") and path.stem not in specs:
-                path.unlink()
+        _drop_outdated(folder, plan.cells)
         finished = True
     except BaseException:
         finished = False
@@ -163,6 +161,15 @@ def run(
         write_results(out / "results.parquet", ordered)
         _write_document(out, document, cells, start, finished=finished)
     return out
+
+
+def _drop_outdated(folder: Path, specs: Sequence[CellSpec]) -> None:
+    """Remove what older versions or data left for these very cells; cells that this run did not ask for stay."""
+    current = {(s.model, s.dataset, s.condition, s.seed): s.key for s in specs}
+    for key, cell in read_cells(folder).items():
+        if current.get((cell["model"], cell["dataset"], cell["condition"], cell["seed"]), key) != key:
+            for suffix in (".json", ".npz"):
+                (folder / f"{key}{suffix}").unlink(missing_ok=True)
 
 
 def _document(plan: Plan, command: list[str]) -> dict[str, Any]:

@@ -130,7 +130,7 @@ class PrandtlIshlinskii(HysteresisModel):
     summary: ClassVar[str] = "weighted play operators, closed-form inverse; symmetric loops of either orientation"
     source: ClassVar[str] = "Kuhnen & Janocha 2001; Krejci & Kuhnen 2001"
 
-    def __init__(self, operators: int = 40, weights: str = "invertible", least_slope: float = 0.02) -> None:
+    def __init__(self, operators: int = 40, weights: str = "invertible", least_slope: float = 0.1) -> None:
         self.operators = operators
         self.weights = weights
         self.least_slope = least_slope

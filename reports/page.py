@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -66,24 +67,17 @@ def _context(run: RunDirectory) -> dict[str, Any]:
     }
 
 
-def _verdict(run: RunDirectory) -> str:
-    """Who wins where, in plain words."""
-    sentences = []
-    words = {
-        "forward": "predicts the output best",
-        "inverse": "inverts it best",
-        "compensation": "compensates best",
-    }
-    for task, text in words.items():
+def _verdict(run: RunDirectory) -> list[tuple[str, str]]:
+    """For each task, on how many datasets each model has the smallest error."""
+    told = []
+    for task, title in tables.TASK_TITLES.items():
         best = tables.best_models(run, task)
-        wins: dict[str, list[str]] = {}
-        for dataset, model in best.items():
-            wins.setdefault(model, []).append(dataset)
-        ranked = sorted(wins.items(), key=lambda item: (-len(item[1]), item[0]))
-        told = "; ".join(f"{run.model_title(m)} on {', '.join(d)}" for m, d in ranked)
-        if told:
-            sentences.append(f"{text[0].upper()}{text[1:]}: {told}.")
-    return " ".join(sentences) or "No model finished any task."
+        wins = Counter(best.values())
+        ranked = sorted(wins.items(), key=lambda item: (-item[1], run.models.index(item[0])))
+        if ranked:
+            text = ", ".join(f"{run.model_title(m)} on {count}" for m, count in ranked)
+            told.append((title, f"smallest for {text} of {len(best)} datasets"))
+    return told
 
 
 def _dataset(run: RunDirectory, name: str) -> dict[str, Any]:
