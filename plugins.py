@@ -74,7 +74,7 @@ class Registry(Generic[T]):
         warnings.warn(f"{self.kind} plug-in {name} skipped: {reason}", BrokenPluginWarning, stacklevel=3)
 
     def ids(self) -> list[str]:
-        """Ids of all plug-ins that load, the built-in ones in their documented order, then the others by name."""
+        """Ids of all plug-ins that load, the built-in ones first."""
         return [name for name in self._entry_points if self._load(name) is not None]
 
     def _load(self, name: str) -> T | None:

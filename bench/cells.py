@@ -20,9 +20,10 @@ from numpy.typing import NDArray
 from .. import datasets, models
 from ..datasets import Dataset, Recording, concatenate
 from .conditions import Conditioned, apply
+from .isolation import restored_process_state
 from .limits import CellTimeoutError, time_limit
 from .metrics import METRIC_VERSION, score
-from .results import METRIC_COLUMNS, TASKS, plain, write_cell
+from .results import METRIC_COLUMNS, TASKS, TIME_COLUMNS, plain, write_cell
 from .timing import seconds_per_call
 
 __all__ = ["CellSpec", "data_hash", "fallback_cell", "run_cell"]
@@ -125,12 +126,14 @@ def run_cell(spec: CellSpec, folder: Path) -> dict[str, Any]:
     marker = folder / f".{spec.key}.started"
     marker.touch()
     try:
-        with time_limit(spec.time_limit):
+        with restored_process_state(), time_limit(spec.time_limit):
             _fill(cell, arrays, spec)
     except CellTimeoutError:
         _finish(cell, "timeout", f"took longer than {spec.time_limit:g} s")
-    except Exception as error:  # whatever a model raises costs its own cell only
+    except (Exception, SystemExit) as error:  # whatever a model raises costs its own cell only
         _finish(cell, "failed", _one_line(error))
+    for row in cell["rows"]:
+        row.update({column: cell["timing"].get(column, np.nan) for column in TIME_COLUMNS})
     write_cell(folder, cell, arrays if spec.keep_arrays else {})
     marker.unlink(missing_ok=True)
     return cell
@@ -147,7 +150,7 @@ def fallback_cell(spec: CellSpec, folder: Path, status: str, message: str) -> di
 
 def _empty_cell(spec: CellSpec) -> dict[str, Any]:
     row = {"model": spec.model, "dataset": spec.dataset, "condition": spec.condition, "seed": spec.seed, "n": 0}
-    values = dict.fromkeys((*METRIC_COLUMNS, "fit_s", "predict_ns_per_sample", "step_ns"), np.nan)
+    values = dict.fromkeys((*METRIC_COLUMNS, *TIME_COLUMNS), np.nan)
     return {
         "key": spec.key,
         "model": spec.model,
@@ -195,9 +198,6 @@ def _fill(cell: dict[str, Any], arrays: dict[str, NDArray[Any]], spec: CellSpec)
             tasks[row["task"]](row, cell, arrays, fitted, data, spec)
         except Exception as error:  # a task that fails leaves the others be
             row.update(status="failed", message=_one_line(error))
-    for row in cell["rows"]:
-        for column in ("fit_s", "predict_ns_per_sample", "step_ns"):
-            row[column] = timing.get(column, np.nan)
 
 
 def _record(arrays: dict[str, NDArray[Any]], data: Conditioned) -> None:

@@ -84,9 +84,6 @@ def run(
     plan = plan_run(models, datasets, quick)
     if plan.absent:
         message(f"recorded data not on this machine, left out: {', '.join(plan.absent)}; `hystbench data fetch` gets them")
-    for skipped in plan.skipped:
-        if skipped["what"].removeprefix("dataset ") not in plan.absent:
-            message(f"{skipped['what']} left out: {' '.join(skipped['why'].split())}")
     out.mkdir(parents=True, exist_ok=True)
     counts: dict[str, int] = {}
     console = Console(stderr=True)

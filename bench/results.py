@@ -14,7 +14,7 @@ import pandas as pd
 from ..errors import InputError
 from ..files import replacing, write_text
 
-__all__ = ["COLUMNS", "METRIC_COLUMNS", "TASKS", "read_cells", "read_results", "write_cell", "write_results"]
+__all__ = ["COLUMNS", "METRIC_COLUMNS", "TASKS", "TIME_COLUMNS", "read_cells", "read_results", "write_cell", "write_results"]
 
 TASKS = ("forward", "inverse", "compensation")
 KEYS = ("dataset", "model", "condition", "task", "seed")

@@ -17,6 +17,7 @@ from .. import datasets, models
 from ..datasets import Dataset, DatasetUnavailableError
 from ..errors import InputError
 from ..files import write_text
+from ..plugins import BrokenPluginWarning
 from .cells import CellSpec, data_hash, fallback_cell, load_dataset, run_cell
 from .conditions import conditions_for
 from .provenance import describe
@@ -81,9 +82,12 @@ def plan_run(model_ids: Sequence[str] | None, dataset_ids: Sequence[str] | None,
             plan.skipped.append({"what": f"dataset {name}", "why": str(error)})
             if isinstance(error, DatasetUnavailableError):
                 plan.absent.append(name)
+            else:
+                warnings.warn(f"dataset {name} left out: {error}", BrokenPluginWarning, stacklevel=2)
             continue
         except Exception as error:  # a dataset plug-in's failure costs its own cells only
             plan.skipped.append({"what": f"dataset {name}", "why": f"{type(error).__name__}: {error}"})
+            warnings.warn(f"dataset {name} left out: {type(error).__name__}: {error}", BrokenPluginWarning, stacklevel=2)
             continue
         plan.datasets[name] = dataset
         plan.data[name] = data_hash(dataset)
@@ -267,11 +271,11 @@ def _alone(spec: CellSpec, folder: Path, error: Exception) -> dict[str, Any]:
     if finished is not None and not (folder / f".{spec.key}.started").exists():
         return finished
     executor = _executor(1)
-    start = time.perf_counter()
     try:
         return executor.submit(run_cell, spec, folder).result()
     except Exception as again:
-        if time.perf_counter() - start >= spec.time_limit:
+        # The marker is as old as the cell: starting the process does not count.
+        if time.time() - (folder / f".{spec.key}.started").stat().st_mtime >= spec.time_limit:
             return fallback_cell(spec, folder, "timeout", f"took longer than {spec.time_limit:g} s and had to be killed")
         return fallback_cell(spec, folder, "failed", f"its process died ({type(again).__name__})")
     finally:

@@ -1,0 +1,70 @@
+"""Tasks of the project: `nox -s tests`, `nox -s run`, ... `nox -l` lists them."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import nox
+
+ROOT = Path(__file__).parent
+nox.needs_version = ">=2025.5"
+nox.options.default_venv_backend = "uv|virtualenv"
+nox.options.sessions = ["lint", "typing", "tests"]
+# One thread a process: the runs use processes, and numerical threads beside them only slow each other down.
+ENV = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+
+
+def _install(session: nox.Session, *groups: str) -> None:
+    arguments = [argument for group in groups for argument in ("--group", group)]
+    session.install("-e", ".", *arguments)
+
+
+@nox.session
+def tests(session: nox.Session) -> None:
+    """The test suite with statement coverage, which must not fall below 90 %."""
+    _install(session, "test")
+    session.run("coverage", "erase")
+    # `python -m pytest` would put this folder on sys.path, where `datasets` would shadow another package.
+    session.run("pytest", "--cov", "--cov-report=term:skip-covered", "--cov-fail-under=90", *session.posargs, env=ENV)
+
+
+@nox.session
+def lint(session: nox.Session) -> None:
+    """Style and formatting."""
+    session.install(*nox.project.dependency_groups(nox.project.load_toml("pyproject.toml"), "lint"))
+    session.run("ruff", "check", ".")
+    session.run("ruff", "format", "--check", ".")
+
+
+@nox.session
+def typing(session: nox.Session) -> None:
+    """Static types."""
+    _install(session, "typing")
+    link = ROOT / ".link" / "hystbench"
+    if not link.exists():
+        link.parent.mkdir(exist_ok=True)
+        link.symlink_to(ROOT, target_is_directory=True)
+    session.run("mypy")
+
+
+@nox.session
+def run(session: nox.Session) -> None:
+    """The whole benchmark and its report; arguments go to `hystbench run`."""
+    session.install(".")
+    session.run("hystbench", "run", *(session.posargs or ["--out", "hystbench-report"]))
+
+
+@nox.session
+def paper(session: nox.Session) -> None:
+    """The source papers' tables and figures recomputed, and the audit, compared with what is committed."""
+    _install(session, "test")
+    session.run("hystbench", "paper", *(session.posargs or ["--out", "hystbench-paper"]))
+    session.run("pytest", "-k", "paper and expectation")
+
+
+@nox.session
+def bench(session: nox.Session) -> None:
+    """Speed: pytest-benchmark over the models."""
+    _install(session, "test")
+    session.run("pytest", "tests/benchmarks", "--benchmark-only", *session.posargs, env={**os.environ, **ENV})

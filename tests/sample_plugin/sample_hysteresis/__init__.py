@@ -1,0 +1,1 @@
+"""Plug-ins for hystbench from another package: good ones and bad ones."""
