@@ -14,7 +14,7 @@ import pandas as pd
 from ..errors import InputError
 from ..files import replacing, write_text
 
-__all__ = ["COLUMNS", "METRIC_COLUMNS", "TASKS", "TIME_COLUMNS", "read_cells", "read_results", "write_cell", "write_results"]
+__all__ = ["COLUMNS", "METRIC_COLUMNS", "TASKS", "TIME_COLUMNS", "read_cells", "read_results", "table_of", "write_cell", "write_results"]
 
 TASKS = ("forward", "inverse", "compensation")
 KEYS = ("dataset", "model", "condition", "task", "seed")
@@ -51,24 +51,29 @@ def read_cells(folder: Path) -> dict[str, dict[str, Any]]:
     cells = {}
     for path in sorted(folder.glob("*.json")):
         try:
-            cells[path.stem] = json.loads(path.read_text(encoding="utf-8"))
+            cell = json.loads(path.read_text(encoding="utf-8"))
         except (OSError, ValueError):
-            # Not written by us, or damaged since: the cell is simply computed again.
             continue
+        # What was not written by us, or was damaged since, is simply computed again.
+        if isinstance(cell, dict) and cell.get("key") == path.stem and isinstance(cell.get("rows"), list):
+            cells[path.stem] = cell
     return cells
 
 
-def write_results(path: Path, cells: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
-    """Write the rows of all cells to a Parquet file, sorted, so that equal results make equal files."""
+def table_of(cells: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
+    """The rows of all cells, sorted, so that equal results make equal tables."""
     rows = [row for cell in cells for row in cell["rows"]]
     table = pd.DataFrame(rows, columns=list(COLUMNS))
     table = table.astype(
         {"seed": "int64", "n": "int64", **dict.fromkeys((*METRIC_COLUMNS, *TIME_COLUMNS), "float64")}
     )
-    table = table.sort_values(list(KEYS), ignore_index=True)
+    return table.sort_values(list(KEYS), ignore_index=True)
+
+
+def write_results(path: Path, cells: Iterable[Mapping[str, Any]]) -> None:
+    """Write the rows of all cells to a Parquet file."""
     with replacing(path) as temporary:
-        table.to_parquet(temporary, index=False)
-    return table
+        table_of(cells).to_parquet(temporary, index=False)
 
 
 def read_results(where: str | Path) -> pd.DataFrame:

@@ -147,7 +147,11 @@ def run(
         for key, spec in specs.items():
             kept = known.get(key)
             # What failed for want of time or memory may succeed now.
-            if kept is not None and all(row["status"] in ("ok", "unsupported") for row in kept["rows"]):
+            if (
+                kept is not None
+                and all(row["status"] in ("ok", "unsupported") for row in kept["rows"])
+                and (not spec.keep_arrays or (folder / f"{key}.npz").exists())
+            ):
                 cells[key] = kept
                 advance(kept)
             else:
@@ -204,6 +208,7 @@ def _document(plan: Plan, command: list[str]) -> dict[str, Any]:
         "data": {name: {"sha256": digest} for name, digest in plan.data.items()},
         "skipped": plan.skipped,
         "cells_total": len(plan.cells),
+        "cells": [spec.key for spec in plan.cells],
     }
 
 

@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ..bench.results import read_cells, read_results
+from ..bench.results import read_cells, read_results, table_of
 from ..errors import InputError
 
 __all__ = ["RunDirectory", "read_run"]
 
 CONDITION_ORDER = ("clean", "noisy", "kalman", "smoothed", "recorded")
+IDENTITY = ("model", "dataset", "condition", "seed")
 MODEL_ORDER = ("maxwell-slip", "cubic", "bouc-wen", "preisach", "prandtl-ishlinskii", "choi-backlash")
 
 
@@ -93,14 +94,21 @@ def read_run(path: Path) -> RunDirectory:
     InputError
         If it holds no results.
     """
-    table = read_results(path)
-    if table.empty:
-        raise InputError(f"{path}: the run finished no cell, so there is nothing to report; run `hystbench run` again")
     try:
         document = json.loads((path / "run.json").read_text(encoding="utf-8"))
     except (OSError, ValueError):
         document = {}
+    document = document if isinstance(document, dict) else {}
     cells = read_cells(path / "cells") if (path / "cells").is_dir() else {}
-    known = {(r["dataset"], r["model"], r["condition"], r["seed"]) for r in table.to_dict("records")}
-    mine = {k: c for k, c in cells.items() if (c["dataset"], c["model"], c["condition"], c["seed"]) in known}
-    return RunDirectory(path, table, mine, document if isinstance(document, dict) else {})
+    if document.get("finished") is False:
+        # A run that was killed could not write its table any more; its finished cells are there.
+        cells = {key: cells[key] for key in document.get("cells", []) if key in cells}
+        table = table_of(cells.values())
+        document["cells_done"] = len(cells)
+    else:
+        table = read_results(path)
+        known = set(zip(*(table[column] for column in IDENTITY), strict=True))
+        cells = {key: cell for key, cell in cells.items() if tuple(cell[column] for column in IDENTITY) in known}
+    if table.empty:
+        raise InputError(f"{path}: the run finished no cell, so there is nothing to report; run `hystbench run` again")
+    return RunDirectory(path, table, cells, document)
