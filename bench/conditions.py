@@ -36,6 +36,8 @@ ORDER = 3
 """States of the motion model: position, velocity, acceleration. 2 would be constant velocity."""
 
 TUNING_SAMPLES = 4000
+DIFFUSE = 1e4
+"""Deviation of the first velocity and acceleration, in the sensor's deviations per sampling step."""
 
 
 @dataclass(frozen=True)
@@ -201,8 +203,8 @@ def _filter(time: Floats, series: Floats, sigma: float, ratio: float, smooth: bo
     kalman.H = np.eye(1, ORDER)
     kalman.R = np.eye(1)
     kalman.x = np.zeros((ORDER, 1))
-    # Nothing is known of the first velocity and acceleration but that one step does not cross the whole range.
-    kalman.P = np.diag([1.0, *([(np.ptp(series) / sigma) ** 2] * (ORDER - 1))])
+    # Nothing is known of the first velocity and acceleration; a bound from the data would not be causal.
+    kalman.P = np.diag([1.0, *([DIFFUSE**2] * (ORDER - 1))])
     scaled = (series - series[0]) / sigma
     means, covariances, _, _ = kalman.batch_filter(list(scaled), Fs=transitions, Qs=noises)
     if smooth:
