@@ -52,7 +52,7 @@ def _context(run: RunDirectory) -> dict[str, Any]:
         "version": __version__,
         "run": document,
         "verdict": _verdict(run),
-        "incomplete": "" if document.get("finished") and done >= total else f"{done} of {total} cells are finished",
+        "incomplete": "" if document.get("finished", True) and done >= total else f"{done} of {total} cells are finished",
         "headlines": [(tables.TASK_TITLES[task], tables.headline_table(run, task)) for task in TASKS],
         "papers": [(n, t, tables.order_statement(run, n)) for n in (4, 5) if (t := tables.paper_table(run, n)) is not None],
         "metrics": METRICS,
@@ -102,7 +102,7 @@ def _fit(run: RunDirectory, model: str) -> dict[str, Any]:
         )
         if cells and cells[0].get("fit"):
             entries.append({"dataset": dataset, **cells[0]["fit"]})
-    return {"title": run.model_title(model), "info": run.document.get("models", {}).get(model, {}), "entries": entries}
+    return {"title": run.model_title(model), "info": run.model(model), "entries": entries}
 
 
 def _failures(run: RunDirectory) -> list[dict[str, Any]]:

@@ -18,6 +18,15 @@ from ..errors import InputError
 __all__ = ["RunDirectory", "read_run"]
 
 CONDITION_ORDER = ("clean", "noisy", "kalman", "smoothed", "recorded")
+# A run.json that is missing or older leaves these blank.
+NO_RUN: dict[str, Any] = {
+    "started": "", "skipped": [], "command": [], "seeds": [], "elapsed_s": None, "machine": {}, "versions": {},
+}  # fmt: skip
+NO_DATASET: dict[str, Any] = {
+    "title": "", "kind": "", "split": "", "source": "", "licence": "", "x_name": "input", "x_unit": "", "y_name": "output",
+    "y_unit": "", "x_sigma": None, "y_sigma": None, "assumptions": [], "n_train": 0, "n_test": 0,
+}  # fmt: skip
+NO_MODEL: dict[str, Any] = {"summary": "", "source": "", "hyperparameters": {}}
 IDENTITY = ("model", "dataset", "condition", "seed")
 MODEL_ORDER = ("maxwell-slip", "cubic", "bouc-wen", "preisach", "prandtl-ishlinskii", "choi-backlash")
 
@@ -45,11 +54,15 @@ class RunDirectory:
 
     def dataset(self, name: str) -> dict[str, Any]:
         """What run.json says of a dataset."""
-        return self.document.get("datasets", {}).get(name, {})
+        return NO_DATASET | self.document.get("datasets", {}).get(name, {})
+
+    def model(self, name: str) -> dict[str, Any]:
+        """What run.json says of a model."""
+        return NO_MODEL | {"title": name} | self.document.get("models", {}).get(name, {})
 
     def model_title(self, name: str) -> str:
         """The model's title for people."""
-        return self.document.get("models", {}).get(name, {}).get("title", name)
+        return str(self.model(name)["title"])
 
     def conditions(self, dataset: str) -> list[str]:
         """Conditions that were run on a dataset, from clean to filtered."""
@@ -98,7 +111,7 @@ def read_run(path: Path) -> RunDirectory:
         document = json.loads((path / "run.json").read_text(encoding="utf-8"))
     except (OSError, ValueError):
         document = {}
-    document = document if isinstance(document, dict) else {}
+    document = NO_RUN | (document if isinstance(document, dict) else {})
     cells = read_cells(path / "cells") if (path / "cells").is_dir() else {}
     if document.get("finished") is False:
         # A run that was killed could not write its table any more; its finished cells are there.
