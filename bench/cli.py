@@ -12,6 +12,7 @@ import click
 from .. import __version__
 from ..errors import InputError
 from .console import EXIT_CHECK_FAILED, CommandGroup, execute, message
+from .data_commands import data
 
 __all__ = ["cli", "main"]
 
@@ -259,9 +260,7 @@ def invert(
     click.echo(str(out))
 
 
-@cli.group(cls=CommandGroup)
-def data() -> None:
-    """List, fetch and verify the recorded datasets."""
+cli.add_command(data)
 
 
 def main() -> None:

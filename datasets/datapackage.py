@@ -1,0 +1,85 @@
+"""Datasets as Frictionless data packages: CSV files and a ``datapackage.json`` that describes them.
+
+Source: https://datapackage.org/standard/data-package/ (version 2).
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError
+from ..files import write_text
+from .base import Dataset, Recording
+from .recording_files import DEFAULT_TIME, DEFAULT_X, DEFAULT_Y, write_recording
+
+__all__ = ["write_datapackage"]
+
+
+def write_datapackage(dataset: Dataset, folder: str | os.PathLike[str]) -> Path:
+    """Write every recording of ``dataset`` as CSV to ``folder`` and return the path of ``datapackage.json``.
+
+    The same dataset gives the same bytes.
+
+    Raises
+    ------
+    InputError
+        If ``folder`` is a file.
+    """
+    target = Path(folder)
+    if target.exists() and not target.is_dir():
+        raise InputError(f"{target} is a file; name a folder")
+    resources = []
+    for part, recordings in (("train", dataset.train), ("test", dataset.test)):
+        for number, recording in enumerate(recordings, start=1):
+            resources.append(_write(dataset, recording, target, f"{part}-{number:02d}", part))
+    package = {
+        "$schema": "https://datapackage.org/profiles/2.0/datapackage.json",
+        "name": dataset.id,
+        "title": dataset.title,
+        "description": dataset.split,
+        "sources": [{"title": dataset.source}],
+        "licenses": [{"title": dataset.licence}],
+        "assumptions": list(dataset.assumptions),
+        "resources": resources,
+    }
+    path = target / "datapackage.json"
+    write_text(path, json.dumps(package, indent=1, ensure_ascii=False) + "\n")
+    return path
+
+
+def _write(dataset: Dataset, recording: Recording, folder: Path, stem: str, part: str) -> dict[str, Any]:
+    # Deflection and torque get the names that every command expects.
+    x_column = DEFAULT_X if dataset.x_unit == "rad" else _column(dataset.x_name, dataset.x_unit)
+    y_column = DEFAULT_Y if dataset.y_unit == "N·m" else _column(dataset.y_name, dataset.y_unit)
+    columns = {DEFAULT_TIME: recording.time, x_column: recording.x, y_column: recording.y}
+    fields: list[dict[str, Any]] = [
+        {"name": DEFAULT_TIME, "type": "number", "unit": "s"},
+        {"name": x_column, "type": "number", "unit": dataset.x_unit, "title": dataset.x_name},
+        {"name": y_column, "type": "number", "unit": dataset.y_unit, "title": dataset.y_name},
+    ]
+    for name, values in recording.channels.items():
+        columns[name] = values
+        fields.append({"name": name, "type": "number"})
+    write_recording(folder / f"{stem}.csv", columns)
+    return {
+        "name": stem,
+        "path": f"{stem}.csv",
+        "title": recording.name,
+        "format": "csv",
+        "mediatype": "text/csv",
+        "encoding": "utf-8",
+        "part": part,
+        "warm_up_rows": recording.warm_up,
+        "conditions": dict(recording.conditions),
+        "schema": {"fields": fields},
+    }
+
+
+def _column(name: str, unit: str) -> str:
+    """A column name such as ``torque_nm`` of a quantity and its unit."""
+    spelled = unit.replace("·", "").replace("°", "deg").replace("/", "_per_").replace("%", "percent")
+    return re.sub(r"[^0-9a-z]+", "_", f"{name}_{spelled}".lower()).strip("_")
