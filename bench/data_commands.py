@@ -119,7 +119,9 @@ def verify(ids: tuple[str, ...]) -> int:
             if what == "damaged" or (what == "absent" and (ids or "present" in states)):
                 click.echo(f"{what:<8} {data_folder() / file.place}")
                 bad += what == "damaged" or bool(ids)
-        counts = ", ".join(f"{states.count(what)} {what}" for what in ("present", "absent", "damaged") if what in states)
+        counts = ", ".join(
+            f"{states.count(what)} {what}" for what in ("present", "absent", "damaged") if what in states
+        )
         click.echo(f"{found.id}: {counts}")
     return EXIT_CHECK_FAILED if bad else 0
 

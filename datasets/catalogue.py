@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import json
 import re
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -60,13 +61,24 @@ class CatalogueEntry:
 
     @property
     def share_alike(self) -> bool:
-        """Whether what is derived from the data must carry the same licence, so that users must know before they fetch."""
+        """Whether what is derived from the data must carry the same licence: users must know before they fetch."""
         return "-SA-" in f"{self.licence}-"
 
     @property
     def bytes(self) -> int:
         """Size of all files together."""
         return sum(file.bytes for file in self.files)
+
+    @property
+    def published(self) -> dict[str, CatalogueFile]:
+        """Files by their path in the repository, with the repository before it where two repositories share it."""
+        count = Counter(file.path for file in self.files)
+        return {file.path if count[file.path] == 1 else f"{file.repository}/{file.path}": file for file in self.files}
+
+    @property
+    def urls(self) -> list[str]:
+        """Web pages of the repositories at the pinned commits."""
+        return list(dict.fromkeys(f"https://github.com/{file.repository}/tree/{file.commit}" for file in self.files))
 
 
 @cache
@@ -85,24 +97,38 @@ def parse(document: Mapping[str, Any]) -> dict[str, CatalogueEntry]:
     """
     if document.get("schema") != SCHEMA:
         raise InputError(f"not a catalogue: its schema is {document.get('schema')!r}, not {SCHEMA!r}")
-    entries = {}
-    for item in document["datasets"]:
-        found = tuple(CatalogueFile(**file) for file in item["files"])
+    entries: dict[str, CatalogueEntry] = {}
+    for number, item in enumerate(document.get("datasets", []), start=1):
+        try:
+            found = tuple(CatalogueFile(**file) for file in item["files"])
+            new = CatalogueEntry(item["id"], item["title"], item["licence"], item["citation"], found)
+        except (KeyError, TypeError) as error:
+            raise InputError(
+                f"catalogue entry {number}: a field is missing, unknown or of the wrong kind ({error})"
+            ) from None
+        if new.id in entries:
+            raise InputError(f"catalogue entry {number}: the id {new.id!r} is taken by an earlier entry")
         for file in found:
-            _check(item["id"], file)
-        entries[item["id"]] = CatalogueEntry(item["id"], item["title"], item["licence"], item["citation"], found)
+            _check(new.id, file)
+        if len({str(file.place).casefold() for file in found}) < len(found):
+            raise InputError(f"catalogue entry {new.id}: two of its files have the same place")
+        entries[new.id] = new
     return entries
 
 
 def _check(name: str, file: CatalogueFile) -> None:
+    if not all(isinstance(text, str) for text in (file.repository, file.commit, file.path, file.sha256)):
+        raise InputError(f"catalogue entry {name}: repository, commit, path and sha256 of a file must be text")
+    if type(file.bytes) is not int or file.bytes <= 0:
+        raise InputError(f"catalogue entry {name}: {file.path}: bytes must be a positive whole number")
     parts = file.path.split("/")
     harmless = (
         re.fullmatch(r"[\w.-]+/[\w.-]+", file.repository)
         and re.fullmatch(r"[0-9a-f]{40}", file.commit)
         and re.fullmatch(r"[0-9a-f]{64}", file.sha256)
         and not {"", ".", ".."} & {*parts, *file.repository.split("/")}
-        and "\\" not in file.path
-        and "\0" not in file.path
+        # A backslash is a folder and a colon a drive or a stream on Windows; control characters are never meant.
+        and not re.search(r"[\x00-\x1f\\:]", file.path)
     )
     if not harmless:
         raise InputError(f"catalogue entry {name}: {file.repository}/{file.path} is not a place inside the data folder")

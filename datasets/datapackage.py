@@ -5,6 +5,7 @@ Source: https://datapackage.org/standard/data-package/ (version 2).
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import re
@@ -14,6 +15,7 @@ from typing import Any
 from ..errors import InputError
 from ..files import write_text
 from .base import Dataset, Recording
+from .catalogue import catalogue
 from .recording_files import DEFAULT_TIME, DEFAULT_X, DEFAULT_Y, write_recording
 
 __all__ = ["write_datapackage"]
@@ -36,13 +38,15 @@ def write_datapackage(dataset: Dataset, folder: str | os.PathLike[str]) -> Path:
     for part, recordings in (("train", dataset.train), ("test", dataset.test)):
         for number, recording in enumerate(recordings, start=1):
             resources.append(_write(dataset, recording, target, f"{part}-{number:02d}", part))
+    recorded = catalogue().get(dataset.id)
+    source = {"title": dataset.source}
     package = {
         "$schema": "https://datapackage.org/profiles/2.0/datapackage.json",
         "name": dataset.id,
         "title": dataset.title,
         "description": dataset.split,
-        "sources": [{"title": dataset.source}],
-        "licenses": [{"title": dataset.licence}],
+        "sources": [source | {"path": url} for url in recorded.urls] if recorded else [source],
+        "licenses": [_licence(dataset.licence)],
         "assumptions": list(dataset.assumptions),
         "resources": resources,
     }
@@ -62,21 +66,36 @@ def _write(dataset: Dataset, recording: Recording, folder: Path, stem: str, part
         {"name": y_column, "type": "number", "unit": dataset.y_unit, "title": dataset.y_name},
     ]
     for name, values in recording.channels.items():
+        if name in columns:
+            raise InputError(
+                f"{dataset.id}, recording {recording.name!r}: a channel is called {name} like a main column; rename it"
+            )
         columns[name] = values
         fields.append({"name": name, "type": "number"})
-    write_recording(folder / f"{stem}.csv", columns)
+    path = folder / f"{stem}.csv"
+    write_recording(path, columns)
+    content = path.read_bytes()
     return {
         "name": stem,
-        "path": f"{stem}.csv",
+        "path": path.name,
         "title": recording.name,
         "format": "csv",
         "mediatype": "text/csv",
         "encoding": "utf-8",
+        "bytes": len(content),
+        "hash": f"sha256:{hashlib.sha256(content).hexdigest()}",
         "part": part,
         "warm_up_rows": recording.warm_up,
         "conditions": dict(recording.conditions),
         "schema": {"fields": fields},
     }
+
+
+def _licence(text: str) -> dict[str, str]:
+    """A licence descriptor, which must have a name; that of a licence told in words is the SPDX id in them, if any."""
+    spdx = re.search(r"\b(CC0|CC-BY|CC-BY-SA|Apache|MIT|BSD|GPL|ODbL)(-[0-9][\w.-]*\w)?(?![\w-])", text)
+    name = spdx.group() if spdx else re.sub(r"[^\w.-]+", "-", text, flags=re.ASCII).strip("-") or "unknown"
+    return {"name": name, "title": text}
 
 
 def _column(name: str, unit: str) -> str:

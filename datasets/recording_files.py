@@ -113,7 +113,7 @@ def read_columns(file: str | os.PathLike[str], columns: Mapping[str, str], time:
     elif DEFAULT_TIME in names:
         time = DEFAULT_TIME
     else:
-        notes.append(f"no column {DEFAULT_TIME}: the samples are numbered 0, 1, 2, … s; name the time column with --time")
+        notes.append(f"no column {DEFAULT_TIME}: samples are numbered 0, 1, 2, … s; name the time column with --time")
     wanted = {role: table.numbers(name) for role, name in columns.items()}
     rows = next(iter(wanted.values())).size
     if rows < MINIMUM_ROWS:
@@ -160,10 +160,11 @@ def write_recording(path: str | os.PathLike[str], columns: Mapping[str, Floats])
 class _Table:
     """Named columns, turned into numbers when asked for, because a bad cell in an unused column harms nobody."""
 
-    def __init__(self, path: Path, columns: Mapping[str, Any], first_line: int) -> None:
+    def __init__(self, path: Path, columns: Mapping[str, Any], header_line: int = 0, separator: str = "") -> None:
         self.path = path
         self.columns = columns
-        self.first_line = first_line
+        self.header_line = header_line
+        self.separator = separator
 
     @property
     def names(self) -> list[str]:
@@ -171,13 +172,23 @@ class _Table:
 
     def place(self, k: int) -> str:
         """Where sample ``k`` stands, as an editor counts."""
-        return f"line {k + self.first_line}" if self.first_line else f"row {k + 1}"
+        if not self.separator:
+            return f"row {k + 1}"
+        # Counted in the file, because a quoted cell may span lines.
+        line = end = 0
+        for row, (number, _) in enumerate(_csv_lines(self.path, self.separator)):
+            line, end = end + 1, number
+            if row == k + self.header_line:
+                return f"line {line}"
+        return f"line {k + self.header_line + 1}"
 
     def numbers(self, name: str) -> Floats:
         """The column as finite floats."""
         series = pd.Series(self.columns[name])
         if pd.api.types.is_complex_dtype(series.dtype):
             raise InputError(f"{self.path}: column {name!r} is complex; give real numbers")
+        if series.dtype.kind in "mM":
+            raise InputError(f"{self.path}: column {name!r} holds dates or durations; give numbers, time in seconds")
         values = pd.to_numeric(series, errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
         bad = np.flatnonzero(~np.isfinite(values))
         if bad.size:
@@ -209,11 +220,12 @@ class _Table:
 
 
 def _read_table(path: Path) -> _Table:
-    readers = {".csv": _read_csv, ".txt": _read_csv, ".tsv": _read_csv, ".parquet": _read_parquet, ".npz": _read_npz, ".mat": _read_mat}
+    readers = dict.fromkeys((".csv", ".txt", ".tsv"), _read_csv)
+    readers |= {".parquet": _read_parquet, ".npz": _read_npz, ".mat": _read_mat}
     if path.is_dir():
         raise InputError(f"{path}: is a folder; name a file in it")
     if not path.exists():
-        near = difflib.get_close_matches(path.name, [p.name for p in path.parent.glob("*")] if path.parent.is_dir() else [], n=1)
+        near = difflib.get_close_matches(path.name, [p.name for p in path.parent.glob("*")], n=1)
         hint = f"; did you mean {near[0]}?" if near else "; check the path"
         raise InputError(f"{path}: no such file{hint}")
     if path.suffix.lower() not in readers:
@@ -241,7 +253,7 @@ def _read_csv(path: Path) -> _Table:
         raise InputError(f"{path}: there is a header but no data below it; give at least {MINIMUM_ROWS} rows")
     if not isinstance(frame.index, pd.RangeIndex):
         raise _ragged(path, separator, len(header), None)
-    return _Table(path, {name: frame[name].iloc[:last] for name in header}, skipped + 2)
+    return _Table(path, {name: frame[name].iloc[:last] for name in header}, skipped + 1, separator)
 
 
 def _csv_layout(path: Path) -> tuple[list[str], str, str, int]:
@@ -277,7 +289,7 @@ def _read_parquet(path: Path) -> _Table:
         raise InputError(f"{path}: not a readable Parquet file ({_first_line(error)}); write it again") from None
     names = [str(name) for name in frame.columns]
     _no_duplicates(path, names)
-    return _Table(path, {name: frame.iloc[:, k].reset_index(drop=True) for k, name in enumerate(names)}, 0)
+    return _Table(path, {name: frame.iloc[:, k].reset_index(drop=True) for k, name in enumerate(names)})
 
 
 def _read_npz(path: Path) -> _Table:
@@ -297,7 +309,9 @@ def _read_mat(path: Path) -> _Table:
     except NotImplementedError:
         raise InputError(f"{path}: MAT version 7.3 (HDF5) is not read; save it in MATLAB with -v7") from None
     except Exception as error:
-        raise InputError(f"{path}: not a readable MAT file ({_first_line(error)}); save it in MATLAB with -v7") from None
+        raise InputError(
+            f"{path}: not a readable MAT file ({_first_line(error)}); save it in MATLAB with -v7"
+        ) from None
     return _series(path, {name: values for name, values in arrays.items() if not name.startswith("__")})
 
 
@@ -313,8 +327,8 @@ def _series(path: Path, arrays: Mapping[str, NDArray[Any]]) -> _Table:
         told = ", ".join(f"{name} {values.size}" for name, values in found.items())
         raise InputError(f"{path}: its arrays differ in length ({told}); save one recording with equal lengths")
     if not found:
-        raise InputError(f"{path}: holds no 1-D numeric array; save the columns as arrays named {DEFAULT_X}, {DEFAULT_Y}, …")
-    return _Table(path, found, 0)
+        raise InputError(f"{path}: holds no 1-D numeric array; save columns named {DEFAULT_X}, {DEFAULT_Y}, …")
+    return _Table(path, found)
 
 
 # ---- messages ------------------------------------------------------------------------------------------------------
@@ -374,7 +388,8 @@ def _is_number(text: str) -> bool:
 
 
 def _is_decimal_comma(text: str) -> bool:
-    return "," in text and "." not in text and not _is_number(text.strip()) and _is_number(text.strip().replace(",", ".", 1))
+    text = text.strip()
+    return "," in text and "." not in text and not _is_number(text) and _is_number(text.replace(",", ".", 1))
 
 
 def _short(text: str) -> str:

@@ -10,6 +10,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from ..errors import InputError
+from ..files import replacing
 from .base import DatasetUnavailableError
 from .catalogue import CatalogueEntry, CatalogueFile, entry
 
@@ -24,7 +25,7 @@ def data_folder() -> Path:
     """``$HYSTBENCH_DATA``, or ``hystbench`` in the platform's folder for user data."""
     named = os.environ.get("HYSTBENCH_DATA")
     if named:
-        return Path(named)
+        return Path(named).expanduser()
     import platformdirs
 
     return Path(platformdirs.user_data_dir("hystbench", appauthor=False))
@@ -49,6 +50,8 @@ def _sha256(path: Path, size: int, modified: int) -> str:
 def require(name: str) -> dict[str, Path]:
     """Checked local files of a dataset, by their path in their repository.
 
+    Where two repositories share a path, the repository stands before it.
+
     Raises
     ------
     DatasetUnavailableError
@@ -70,7 +73,7 @@ def require(name: str) -> dict[str, Path]:
             f"{name}: {absent} of {len(wanted.files)} files are not under {data_folder()}; "
             f"`hystbench data fetch {name}` gets them, or set HYSTBENCH_DATA to where they are"
         )
-    return {file.path: data_folder() / file.place for file in wanted.files}
+    return {name: data_folder() / file.place for name, file in wanted.published.items()}
 
 
 def fetch(
@@ -114,6 +117,14 @@ def _in_order(files: Iterable[CatalogueFile], missing: list[CatalogueFile]) -> l
     return sorted(files, key=lambda file: file in missing)
 
 
+def _server() -> str:
+    """``$HYSTBENCH_DATA_URL``, a mirror with the same layout, or where the files are published."""
+    base = os.environ.get("HYSTBENCH_DATA_URL") or PUBLISHED
+    if not base.startswith(("https://", "http://")):
+        raise InputError(f"HYSTBENCH_DATA_URL is {base!r}; give an address that begins with https:// or http://")
+    return base.rstrip("/")
+
+
 def _download(file: CatalogueFile) -> None:
     import logging
 
@@ -121,21 +132,25 @@ def _download(file: CatalogueFile) -> None:
     import requests
 
     pooch.get_logger().setLevel(logging.ERROR)
-    base = os.environ.get("HYSTBENCH_DATA_URL", PUBLISHED).rstrip("/")
+    base = _server()
     url = f"{base}/{quote(str(file.place))}"
     target = data_folder() / file.place
     try:
-        # pooch writes to a temporary file and moves it only once the checksum is right; a damaged file is replaced.
-        pooch.create(
-            path=target.parent,
-            base_url="",
-            registry={target.name: f"sha256:{file.sha256}"},
-            urls={target.name: url},
-            retry_if_failed=RETRIES,
-        ).fetch(target.name, downloader=pooch.HTTPDownloader(timeout=TIMEOUT))
+        # pooch moves the file into place only once its checksum is right. It makes private files, and a data folder may
+        # be shared, so the file is handed on with the rights of an ordinary one.
+        with replacing(target) as temporary:
+            pooch.create(
+                path=temporary.parent,
+                base_url="",
+                registry={temporary.name: f"sha256:{file.sha256}"},
+                urls={temporary.name: url},
+                retry_if_failed=RETRIES,
+            ).fetch(temporary.name, downloader=pooch.HTTPDownloader(timeout=TIMEOUT))
     except requests.HTTPError as error:
         status = error.response.status_code if error.response is not None else "no answer"
-        raise InputError(f"{url}: the server answered {status}; try again later, or copy the file to {target}") from None
+        raise InputError(
+            f"{url}: the server answered {status}; try again later, or copy the file to {target}"
+        ) from None
     except requests.RequestException as error:
         raise InputError(
             f"{url}: cannot be reached ({type(error).__name__}); check the network, or copy the file to {target}"
