@@ -95,6 +95,10 @@ def _flow(q, d, a, c_pos, c_neg, n):
     scale = (abs(a) / largest) ** (1.0 / n) if largest > 0.0 and a != 0.0 else np.inf
     for _ in range(SUBSTEPS):
         c = c_pos if q > 0.0 else c_neg
+        rate = a - c * abs(q) ** n
+        # Saturated: the rest of the way changes nothing that the arithmetic can hold.
+        if abs(rate) * d <= 1e-16 * abs(q) or (abs(rate) <= 1e-13 * abs(a) and c > 0.0 and q > 0.0):
+            return q
         h = d
         if a != 0.0 and scale < np.inf:
             h = min(h, max(0.5 * abs(q), 2e-4 * scale) / abs(a))
@@ -103,7 +107,7 @@ def _flow(q, d, a, c_pos, c_neg, n):
         bend = n * abs(c) * ahead ** (n - 1.0)
         if bend > 0.0:
             h = min(h, 0.04 / bend)
-        k1 = a - c * abs(q) ** n
+        k1 = rate
         p = q + 0.5 * h * k1
         k2 = a - (c_pos if p > 0.0 else c_neg) * abs(p) ** n
         p = q + 0.5 * h * k2

@@ -19,6 +19,8 @@ __all__ = ["invert_by_search"]
 REACH = 4.0
 # Brackets grow from this fraction of the input scale.
 FIRST_STEP = 1e-3
+CANDIDATES = 16
+SLACK = 0.02
 
 
 def invert_by_search(
@@ -53,13 +55,15 @@ def invert_by_search(
         target = float(y[k])
         found = _search(stepper, target, here, reached, step, limit, tolerance)
         if found is None:
-            found, error = _nearest(stepper, target, here, step, limit)
             if not approximate:
+                _, error = _nearest(stepper, target, here, step, limit)
                 raise InverseError(
                     f"no input gives the output y[{k}] = {target:.6g}: from x = {here:.6g} the model reaches it nowhere "
                     f"within {-limit:.4g} .. {limit:.4g}; the nearest output is off by {error:.3g}. "
                     "Pass approximate=True (command line: --approximate) to take the nearest."
                 )
+            # An answer that is not exact is not worth leaving the range of the training data.
+            found, _ = _nearest(stepper, target, here, step, max(scale, abs(x0)))
         x[k] = found
         if k:
             step = max(FIRST_STEP * scale, abs(found - here))
@@ -115,14 +119,15 @@ def _bisect(stepper: Stepper, target: float, inner: float, outer: float) -> floa
 
 
 def _nearest(stepper: Stepper, target: float, here: float, step: float, limit: float) -> tuple[float, float]:
-    """The input whose output is nearest to ``target``, among staying and moving either way; and its error."""
-    reaches = np.geomspace(1e-9 * limit, 2.0 * limit, 121)
+    """The input within ``limit`` whose output is nearest to ``target``; and its error.
+
+    Of outputs that are about as near the one with the least motion wins: a saturated model must not be driven to the
+    end of its range for the last thousandth.
+    """
+    reaches = np.geomspace(step, 2.0 * limit, CANDIDATES)
     candidates = np.concatenate([[here], here + reaches, here - reaches])
-    candidates = candidates[np.abs(candidates) <= limit]
-    if not candidates.size:
-        candidates = np.array([here])
-    errors = np.array([abs(stepper.peek(float(c)) - target) for c in candidates])
-    # Among equals the smallest motion wins: the candidates are ordered by distance within each direction.
-    best = np.flatnonzero(errors <= errors.min() * (1 + 1e-12))
-    chosen = best[np.argmin(np.abs(candidates[best] - here))]
+    candidates = candidates[np.abs(candidates) <= max(limit, abs(here))]
+    errors = np.abs(np.array([stepper.peek(float(c)) for c in candidates]) - target)
+    enough = np.flatnonzero(errors <= (1.0 + SLACK) * errors.min())
+    chosen = int(enough[np.argmin(np.abs(candidates[enough] - here))])
     return float(candidates[chosen]), float(errors[chosen])

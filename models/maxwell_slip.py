@@ -31,7 +31,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
+from scipy.optimize import brentq, isotonic_regression
 
 from ..errors import InputError
 from .base import Condition, Floats, HysteresisModel, InverseError, Run, parameter_array
@@ -257,7 +257,9 @@ class MaxwellSlip(HysteresisModel):
     vertices : int
         Vertices of each curve (the paper's tables have 6).
     elements : int
-        Maxwell-slip elements of each transition (the paper's Table 2 has 4).
+        Maxwell-slip elements of each transition (the paper's Table 2 has 4). The fit divides each branch into
+        ``vertices − 1 + elements`` segments; how many of them are the transition is decided by the training error, and
+        this number wins ties.
     geometry : tuple of float, optional
         (l1, l3, x0): the input is the deflection θ and is first mapped to the virtual deformation h(θ) of Eq. 6.
         None: the input is the virtual deformation itself.
@@ -296,28 +298,33 @@ class MaxwellSlip(HysteresisModel):
                 f"the largest loop cannot be divided into {segments} segments a branch: {error}; "
                 "give a longer recording or fewer vertices and elements"
             ) from None
-        candidates = [_assemble(upper, lower, self.elements, ahead) for ahead in (True, False)]
-        errors = []
-        for candidate in candidates:
-            trial = type(self)()
-            try:
-                trial._set_parameters(self._check_parameters(**candidate))
-            except InputError:
-                # The loop closes the other way: these vertices leave no gap for such a transition.
-                errors.append(np.inf)
-                continue
-            residuals = [(trial._predict_run(run.x) - run.y)[settled_from(run.x) :] for run in runs]
-            errors.append(float(np.mean(np.concatenate(residuals) ** 2)))
-        chosen = int(np.argmin(errors))
+        # The loop alone does not tell where transitions lie nor where they end: the motion within it does.
+        counts = sorted(range(1, segments), key=lambda n: abs(n - self.elements))
+        splits = [(ahead, n) for n in counts for ahead in (True, False)]
+        errors = [self._training_error(_assemble(upper, lower, n, ahead), runs) for ahead, n in splits]
+        best = int(np.argmin(errors))
+        ahead, elements = splits[best]
+        other = min(error for (way, _), error in zip(splits, errors, strict=True) if way is not ahead)
         self.notes_.append(
-            "transitions "
-            + ("continue the curve towards each end, as in the paper" if chosen == 0 else "follow each turn")
-            + f" (training RMSE {errors[chosen] ** 0.5:.3g}, the other way {errors[1 - chosen] ** 0.5:.3g})"
+            f"transitions of {elements} elements "
+            + ("continue the curve towards each end, as in the paper" if ahead else "follow each turn")
+            + f" (training RMSE {errors[best]:.3g}, the other way {other:.3g})"
         )
-        parameters = candidates[chosen]
+        parameters = _assemble(upper, lower, elements, ahead)
         if self.geometry is not None:
             parameters["geometry"] = self.geometry
         return parameters
+
+    def _training_error(self, candidate: dict[str, Any], runs: Sequence[Run]) -> float:
+        """RMSE of a division of the loop into curves and transitions; infinite where it is none."""
+        trial = type(self)()
+        try:
+            trial._set_parameters(self._check_parameters(**candidate))
+        except InputError:
+            # The loop closes the other way: these vertices leave no gap for such a transition.
+            return float("inf")
+        residuals = [(trial._predict_run(run.x) - run.y)[settled_from(run.x) :] for run in runs]
+        return float(np.sqrt(np.mean(np.concatenate(residuals) ** 2)))
 
     def _major_loop(self, runs: Sequence[Run]) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
         """Points of the largest half cycles, rising and falling."""
@@ -562,16 +569,14 @@ def _closed_loop(
 
 
 def _increasing(values: Floats, fixed: bool = False) -> Floats:
-    """The values raised where needed to increase strictly; with ``fixed`` both end values are kept."""
-    gap = 1e-6 * max(float(np.ptp(values)), 1e-300)
-    result = values.copy()
-    for k in range(1, result.size):
-        result[k] = max(result[k], result[k - 1] + gap)
+    """The nearest values that increase strictly; with ``fixed`` both end values are kept."""
+    result = isotonic_regression(values).x
     if fixed:
-        result[-1] = values[-1]
-        for k in range(result.size - 2, 0, -1):
-            result[k] = min(result[k], result[k + 1] - gap)
-    return result
+        result = np.clip(result, values[0], values[-1])
+        result[[0, -1]] = values[[0, -1]]
+    # Equal neighbours are drawn apart by a slope that no recording can tell from flat.
+    flat = 1e-6 * max(float(np.ptp(values)), 1e-300) * np.arange(result.size) / result.size
+    return (result - result[0]) * (1.0 - (flat[-1] / max(float(np.ptp(result)), flat[-1]))) + result[0] + flat
 
 
 def _assemble(upper: Floats, lower: Floats, elements: int, ahead: bool) -> dict[str, Any]:
