@@ -240,7 +240,7 @@ def _read_csv(path: Path) -> _Table:
     try:
         frame = pd.read_csv(
             path, sep=separator, decimal=decimal, encoding="utf-8-sig", skiprows=skipped, header=0, names=header,
-            skip_blank_lines=False, skipinitialspace=True, low_memory=False, float_precision="round_trip",
+            skip_blank_lines=False, skipinitialspace=True, low_memory=False,
         )  # fmt: skip
     except UnicodeDecodeError:
         raise _not_text(path) from None

@@ -153,7 +153,7 @@ def _download(file: CatalogueFile) -> None:
         ) from None
     except requests.RequestException as error:
         raise InputError(
-            f"{url}: cannot be reached ({type(error).__name__}); check the network, or copy the file to {target}"
+            f"{url}: cannot be downloaded ({type(error).__name__}); check the network, or copy the file to {target}"
         ) from None
     except ValueError:
         raise InputError(
