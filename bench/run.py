@@ -30,7 +30,7 @@ SEEDS = (0, 1, 2)
 TIME_LIMIT = 120.0
 TIMING_TIME = 0.04
 QUICK_TIMING_TIME = 0.01
-QUICK_CONDITIONS = ("clean", "kalman", "recorded")
+QUICK_CONDITIONS = {"synthetic": ("clean", "kalman"), "recorded": ("recorded",)}
 # Conditions without random noise give the same cell for every seed.
 SEEDLESS = ("clean", "recorded")
 
@@ -92,7 +92,7 @@ def plan_run(model_ids: Sequence[str] | None, dataset_ids: Sequence[str] | None,
         plan.datasets[name] = dataset
         plan.data[name] = data_hash(dataset)
         for condition in conditions_for(dataset):
-            if quick and condition not in QUICK_CONDITIONS:
+            if quick and condition not in QUICK_CONDITIONS[dataset.kind]:
                 continue
             recorded = dataset.kind == "recorded"
             for seed in seeds[:1] if recorded or condition in SEEDLESS else seeds:

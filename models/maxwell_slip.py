@@ -44,6 +44,9 @@ __all__ = ["MaxwellSlip", "virtual_deformation"]
 CLOSING = 0.05
 """Least rate at which a transition closes its gap, as a fraction of its mean slope."""
 
+TIE = 0.02
+"""Divisions of the loop whose training errors differ by less than this fraction count as equal."""
+
 # State: stored turning points, last input, last output, last direction, started, gap and length of the base
 # transition; then the turning points (x, y).
 _COUNT, _X, _Y, _DIRECTION, _STARTED, _GAP, _LENGTH, _STACK = 0, 1, 2, 3, 4, 5, 6, 7
@@ -302,7 +305,8 @@ class MaxwellSlip(HysteresisModel):
         counts = sorted(range(1, segments), key=lambda n: abs(n - self.elements))
         splits = [(ahead, n) for n in counts for ahead in (True, False)]
         errors = [self._training_error(_assemble(upper, lower, n, ahead), runs) for ahead, n in splits]
-        best = int(np.argmin(errors))
+        span = max(float(np.ptp(run.y)) for run in runs)
+        best = int(np.argmax(np.array(errors) <= min(errors) * (1.0 + TIE) + 1e-6 * span))
         ahead, elements = splits[best]
         other = min(error for (way, _), error in zip(splits, errors, strict=True) if way is not ahead)
         self.notes_.append(
