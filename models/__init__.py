@@ -65,8 +65,11 @@ def load(path: Any) -> Any:
     return load_parameters(path, get)
 
 
-def check_model(cls: type[Any], **options: Any) -> None:
-    """Run the public conformance suite on a model class; see :func:`hystbench.models.conformance.check_model`."""
+def check_model(cls: type[Any], *, seed: int = 0) -> list[str]:
+    """Run the public conformance suite on a model class; return the names of the checks that passed.
+
+    Raises :class:`hystbench.models.conformance.ConformanceError` at the first one that fails.
+    """
     from .conformance import check_model as check
 
-    check(cls, **options)
+    return check(cls, seed=seed)

@@ -27,6 +27,9 @@ __all__ = ["Condition", "Floats", "HysteresisModel", "InverseError", "Run", "loa
 Floats = NDArray[np.float64]
 SCHEMA = "hystbench/model/1"
 
+LARGEST = 1e30
+"""Data whose magnitude or range lies beyond this, or below its inverse, are refused: polynomials of them overflow."""
+
 
 class InverseError(ValueError):
     """No input gives the wanted output: the message says at which sample and why."""
@@ -51,12 +54,13 @@ class Condition:
 
 def as_series(name: str, values: ArrayLike) -> Floats:
     """Return ``values`` as a contiguous 1-D float array, or say in one line what is wrong with it."""
-    try:
-        array = np.ascontiguousarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{name} must be a 1-D array of numbers: {error}") from None
     if np.iscomplexobj(values):
         raise InputError(f"{name} must be real; it is complex")
+    try:
+        # ascontiguousarray would turn a scalar into one sample.
+        array = np.asarray(values, dtype=np.float64, order="C")
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"{name} must be a 1-D array of numbers: {error}") from None
     if array.ndim != 1:
         raise InputError(f"{name} must be 1-D; its shape is {array.shape}")
     if array.size == 0:
@@ -171,6 +175,9 @@ class HysteresisModel:
             raise InputError(f"{x.size} samples are too few to identify {self.id}; give at least {self.minimum_samples}")
         if np.ptp(x) == 0:
             raise InputError("x is constant: nothing can be identified; give a recording in which the input moves")
+        for name, size in (("x", np.max(np.abs(x))), ("range of x", np.ptp(x)), ("y", np.max(np.abs(y)))):
+            if size > LARGEST or 0.0 < size < 1.0 / LARGEST:
+                raise InputError(f"the {name} is of the order {size:.0e}, where powers overflow; choose other units")
         runs = [Run(x[part], y[part]) for part in split_runs(groups, x.size)]
         self.notes_ = []
         self.x_scale_ = float(np.max(np.abs(x)))
@@ -184,6 +191,9 @@ class HysteresisModel:
         y = np.empty_like(x)
         for part in split_runs(groups, x.size):
             y[part] = self._predict_run(x[part])
+        if not np.all(np.isfinite(y)):
+            bad = int(np.flatnonzero(~np.isfinite(y))[0])
+            raise InputError(f"the output at x[{bad}] = {x[bad]:.6g} is not finite: the input is far beyond the model's range")
         return y
 
     def invert(

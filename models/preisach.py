@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.optimize import nnls
+from scipy.optimize import linprog, nnls
 
 from ..errors import InputError
 from .base import Condition, Floats, HysteresisModel, Run, parameter_array, parameter_number
@@ -32,6 +32,12 @@ TABLE_LIMIT = 4_000_000
 
 DISCRETE_SHARE = 0.5
 """Data whose output stands still in more than this share of the moves were made by relays."""
+
+RELAY_LIMIT = 1000
+"""Discrete relays to be identified at most; data with more thresholds are as well described by cells."""
+
+RIDGE = 1e-3
+"""Weight of the ridge beside that of the roughness, just enough to make the solution unique."""
 
 
 def _initial_state(capacity: int) -> Floats:
@@ -187,7 +193,8 @@ class Preisach(HysteresisModel):
         then the weights off the diagonal are at most 0 and those on it, the part without memory, at least 0.
         ``"auto"`` decides by the sense in which the recording's loops run.
     smoothing : float
-        Weight of the ridge that settles what the recording does not tell.
+        Weight of the penalty on differences between the weights of neighbouring cells, which settles what the recording
+        does not tell: between its turning points the density is interpolated.
 
     ``from_parameters`` takes ``alpha`` (M,), ``beta`` (M,), ``weights`` (M,), ``offset`` and optionally ``width``.
     """
@@ -212,6 +219,12 @@ class Preisach(HysteresisModel):
         if self.smoothing < 0.0:
             raise InputError(f"smoothing must not be negative; it is {self.smoothing}")
         thresholds = _switching_thresholds(runs)
+        if thresholds is not None and thresholds[0].size * thresholds[1].size > 2 * RELAY_LIMIT:
+            self.notes_.append(
+                f"the output is piecewise constant with {thresholds[0].size} upper and {thresholds[1].size} lower "
+                "thresholds, too many to identify one by one: cells are used instead"
+            )
+            thresholds = None
         if thresholds is not None:
             alpha, beta = (v.ravel() for v in np.meshgrid(*thresholds, indexing="ij"))
             alpha, beta = alpha[alpha >= beta], beta[alpha >= beta]
@@ -265,14 +278,15 @@ class Preisach(HysteresisModel):
         return design, np.concatenate([run.y[part:] for run, part in zip(runs, parts, strict=True)])
 
     def _solve(self, design: Floats, target: Floats, alpha: Floats, beta: Floats, signs: str) -> tuple[Floats, float]:
-        """Weights and offset of the ridge-regularised least-squares problem under the sign constraints."""
+        """Weights and offset of the regularised least-squares problem under the sign constraints."""
         sign = np.where((signs == "clockwise") & (alpha > beta), -1.0, 1.0)
         # Profiling the offset out leaves it free of sign and ridge.
         mean, level = design.mean(axis=0), float(target.mean())
         centred = (design - mean) * sign
-        ridge = np.sqrt(self.smoothing * target.size) * np.eye(alpha.size)
-        stacked = np.vstack([centred, ridge])
-        triangle = np.linalg.qr(np.column_stack([stacked, np.concatenate([target - level, np.zeros(alpha.size)])]), mode="r")
+        penalty = np.vstack([_roughness(alpha, beta), np.sqrt(RIDGE) * np.eye(alpha.size)])
+        stacked = np.vstack([centred, np.sqrt(self.smoothing * target.size) * penalty])
+        wanted = np.concatenate([target - level, np.zeros(penalty.shape[0])])
+        triangle = np.linalg.qr(np.column_stack([stacked, wanted]), mode="r")
         factor, rotated = triangle[:-1, :-1], triangle[:-1, -1]
         if signs == "free":
             weights = np.linalg.lstsq(factor, rotated, rcond=None)[0]
@@ -356,21 +370,54 @@ def _switching_thresholds(runs: Sequence[Run]) -> tuple[Floats, Floats] | None:
 
 
 def _common_points(low: Floats, high: Floats) -> Floats:
-    """One point in each group of intervals that overlap: the middle of what they have in common."""
-    points = []
+    """One point in what each group of overlapping intervals has in common, in ascending order.
+
+    Where equally spaced points fit, they are taken: two unknowns then explain every jump, and all intervals together
+    place them far more exactly than each one its own. Otherwise the points are the middles.
+    """
+    lefts: list[float] = []
+    rights: list[float] = []
     order = np.argsort(high, kind="stable")
-    left: float | None = None
-    right = 0.0
     for a, b in zip(low[order].tolist(), high[order].tolist(), strict=True):
-        if left is not None and a < right:
-            left = max(left, a)
-            continue
-        if left is not None:
-            points.append(0.5 * (left + right))
-        left, right = a, b
-    if left is not None:
-        points.append(0.5 * (left + right))
-    return np.array(points)
+        if lefts and a < rights[-1]:
+            lefts[-1] = max(lefts[-1], a)
+        else:
+            lefts.append(a)
+            rights.append(b)
+    left, right = np.array(lefts), np.array(rights)
+    if left.size >= 3:
+        # Unknowns: first point, spacing, and the least distance from the intervals' ends, which is made largest.
+        rank, ones = np.arange(left.size), np.ones(left.size)
+        sides = np.concatenate([np.column_stack([-ones, -rank, ones]), np.column_stack([ones, rank, ones])])
+        limits = np.concatenate([-left, right])
+        found = linprog([0.0, 0.0, -1.0], A_ub=sides, b_ub=limits, bounds=[(None, None), (0.0, None), (None, None)])
+        if found.success and found.x[2] >= 0.0:
+            return found.x[0] + rank * found.x[1]
+    return 0.5 * (left + right)
+
+
+def _roughness(alpha: Floats, beta: Floats) -> Floats:
+    """Differences of the weights of neighbours, one a row; the diagonal, which has no memory, is a set of its own."""
+    alphas, i = np.unique(alpha, return_inverse=True)
+    betas, j = np.unique(beta, return_inverse=True)
+    off = alpha > beta
+    grids = []
+    for chosen in (off, ~off):
+        grid = np.full((alphas.size, betas.size), -1)
+        grid[i[chosen], j[chosen]] = np.flatnonzero(chosen)
+        grids.append(grid)
+    pairs = [
+        (grids[0][1:], grids[0][:-1]),
+        (grids[0][:, 1:], grids[0][:, :-1]),
+        (grids[1][1:, 1:], grids[1][:-1, :-1]),
+    ]
+    first, second = (np.concatenate([pair[side].ravel() for pair in pairs]) for side in (0, 1))
+    both = (first >= 0) & (second >= 0)
+    rows = np.arange(int(both.sum()))
+    differences = np.zeros((rows.size, alpha.size))
+    differences[rows, first[both]] = 1.0
+    differences[rows, second[both]] = -1.0
+    return differences
 
 
 def relay_outputs(x: Floats, alpha: Floats, beta: Floats) -> NDArray[np.int8]:
