@@ -18,7 +18,7 @@ from hystbench.datasets import DatasetUnavailableError, catalogue, store
 from hystbench.datasets.catalogue import CatalogueEntry, CatalogueFile, parse
 from hystbench.errors import InputError
 
-CONTENTS = {"data/first run.csv": b"a,b\n1,2\n", "data/50%+.csv": b"x" * 70_000, "notes.txt": b"three"}
+CONTENTS = {"data/first run.csv": b"a,b\n1,2\n", "data/50%20#1.csv": b"x" * 70_000, "notes.txt": b"three"}
 DOCUMENT = json.loads(Path(catalogue.__file__).with_name("catalogue.json").read_text(encoding="utf-8"))
 
 
@@ -128,7 +128,7 @@ def test_a_fetch_goes_on_where_it_stopped(server: Server, known: CatalogueEntry)
     assert list(files_under(store.data_folder())) == ["first run.csv"]
     server.asked.clear()
     assert store.fetch(known) == 2
-    assert sorted(server.asked) == ["data/50%+.csv", "notes.txt"]
+    assert sorted(server.asked) == ["data/50%20#1.csv", "notes.txt"]
 
 
 def test_a_download_that_failed_once_is_tried_again(
@@ -156,17 +156,17 @@ def test_absent_and_tampered_files_are_never_handed_out(server: Server, known: C
     with pytest.raises(DatasetUnavailableError, match=r"3 of 3 files.*hystbench data fetch made-up"):
         store.require(known.id)
     store.fetch(known)
-    victim = store.require(known.id)["data/50%+.csv"]
+    victim = store.require(known.id)["data/50%20#1.csv"]
     before = victim.stat()
-    victim.write_bytes(b"y" + CONTENTS["data/50%+.csv"][1:])
+    victim.write_bytes(b"y" + CONTENTS["data/50%20#1.csv"][1:])
     # Seen although the size is the same, also when the clock was too coarse to tell: force another time of change.
     os.utime(victim, ns=(before.st_atime_ns, before.st_mtime_ns + 1))
-    with pytest.raises(InputError, match=r"50%\+\.csv.*SHA-256.*hystbench data fetch"):
+    with pytest.raises(InputError, match=r"50%20#1\.csv.*SHA-256.*hystbench data fetch"):
         store.require(known.id)
     server.asked.clear()
     assert store.fetch(known) == 1
-    assert server.asked == ["data/50%+.csv"]
-    assert victim.read_bytes() == CONTENTS["data/50%+.csv"]
+    assert server.asked == ["data/50%20#1.csv"]
+    assert victim.read_bytes() == CONTENTS["data/50%20#1.csv"]
     victim.unlink()
     with pytest.raises(DatasetUnavailableError, match="1 of 3 files"):
         store.require(known.id)
