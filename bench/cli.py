@@ -84,7 +84,9 @@ def run(
         raise InputError(f"--out {out} is a file; name a folder")
     plan = plan_run(models, datasets, quick)
     if plan.absent:
-        message(f"recorded data not on this machine, left out: {', '.join(plan.absent)}; `hystbench data fetch` gets them")
+        message(
+            f"recorded data not on this machine, left out: {', '.join(plan.absent)}; `hystbench data fetch` gets them"
+        )
     out.mkdir(parents=True, exist_ok=True)
     counts: dict[str, int] = {}
     console = Console(stderr=True)
@@ -206,7 +208,9 @@ def fit(file: Path, model_id: str, out: Path, x: str | None, y: str | None, time
         raise InputError(f"{file}: {error}") from None
     model.save(out)
     figures = score(recording.y, np.asarray(model.predict(recording.x)))
-    click.echo(f"{out}: {model_id} fitted to {recording.x.size} samples, RMSE {figures['rmse']:.4g}, NRMSE {figures['nrmse']:.4g}")
+    click.echo(
+        f"{out}: {model_id} fitted to {recording.x.size} samples, RMSE {figures['rmse']:.4g}, NRMSE {figures['nrmse']:.4g}"
+    )
     for condition in getattr(model, "conditions_", []):
         message(f"{'holds' if condition.holds else 'VIOLATED'}: {condition.name} ({condition.detail})")
     for note in getattr(model, "notes_", []):
@@ -230,7 +234,10 @@ def predict(model: Path, file: Path, out: Path, x: str | None, y: str | None, ti
 
     fitted = models.load(model)
     columns = read_columns(file, {"x": x or DEFAULT_X}, time=time)
-    write_recording(out, {columns.time_name: columns.time, x or DEFAULT_X: columns["x"], y or DEFAULT_Y: fitted.predict(columns["x"])})
+    write_recording(
+        out,
+        {columns.time_name: columns.time, x or DEFAULT_X: columns["x"], y or DEFAULT_Y: fitted.predict(columns["x"])},
+    )
     click.echo(str(out))
 
 
@@ -239,7 +246,9 @@ def predict(model: Path, file: Path, out: Path, x: str | None, y: str | None, ti
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="File to write (.csv or .parquet).")
 @_column_options("x", "y", "time")
-@click.option("--x0", type=float, default=0.0, show_default=True, help="Input from which the first sample is looked for.")
+@click.option(
+    "--x0", type=float, default=0.0, show_default=True, help="Input from which the first sample is looked for."
+)
 @click.option("--approximate", is_flag=True, help="Where no input gives the wanted output, take the nearest.")
 def invert(
     model: Path, file: Path, out: Path, x: str | None, y: str | None, time: str | None, x0: float, approximate: bool

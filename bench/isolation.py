@@ -18,7 +18,7 @@ def restored_process_state() -> Iterator[None]:
     """Put back the working directory, the environment and the global settings of NumPy and random afterwards."""
     folder, environment = os.getcwd(), dict(os.environ)
     errors, printing = np.geterr(), np.get_printoptions()
-    numpy_state, random_state = np.random.get_state(), random.getstate()  # noqa: NPY002: only kept, never drawn from
+    numpy_state, random_state = np.random.get_state(), random.getstate()  # noqa: NPY002 (only kept, never drawn from)
     try:
         with warnings.catch_warnings():
             yield

@@ -52,7 +52,9 @@ METRICS = (
     Metric(
         "rmse", "RMSE", lambda e, t: float(np.sqrt(np.mean(e**2))), "Root mean square error, in the unit of the signal."
     ),
-    Metric("max_abs", "max", lambda e, t: float(np.max(np.abs(e))), "Largest absolute error, in the unit of the signal."),
+    Metric(
+        "max_abs", "max", lambda e, t: float(np.max(np.abs(e))), "Largest absolute error, in the unit of the signal."
+    ),
     Metric(
         "nrmse",
         "NRMSE",
@@ -78,7 +80,9 @@ def score(truth: ArrayLike, estimate: ArrayLike, keep: ArrayLike | None = None) 
     """
     truth, estimate = np.asarray(truth, dtype=np.float64), np.asarray(estimate, dtype=np.float64)
     if truth.shape != estimate.shape or truth.ndim != 1:
-        raise ValueError(f"truth and estimate must be 1-D and alike; their shapes are {truth.shape} and {estimate.shape}")
+        raise ValueError(
+            f"truth and estimate must be 1-D and alike; their shapes are {truth.shape} and {estimate.shape}"
+        )
     if keep is not None:
         chosen = np.asarray(keep, dtype=bool)
         if chosen.shape != truth.shape:

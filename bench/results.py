@@ -14,7 +14,17 @@ import pandas as pd
 from ..errors import InputError
 from ..files import replacing, write_text
 
-__all__ = ["COLUMNS", "METRIC_COLUMNS", "TASKS", "TIME_COLUMNS", "read_cells", "read_results", "table_of", "write_cell", "write_results"]
+__all__ = [
+    "COLUMNS",
+    "METRIC_COLUMNS",
+    "TASKS",
+    "TIME_COLUMNS",
+    "read_cells",
+    "read_results",
+    "table_of",
+    "write_cell",
+    "write_results",
+]
 
 TASKS = ("forward", "inverse", "compensation")
 KEYS = ("dataset", "model", "condition", "task", "seed")
@@ -64,9 +74,7 @@ def table_of(cells: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
     """The rows of all cells, sorted, so that equal results make equal tables."""
     rows = [row for cell in cells for row in cell["rows"]]
     table = pd.DataFrame(rows, columns=list(COLUMNS))
-    table = table.astype(
-        {"seed": "int64", "n": "int64", **dict.fromkeys((*METRIC_COLUMNS, *TIME_COLUMNS), "float64")}
-    )
+    table = table.astype({"seed": "int64", "n": "int64", **dict.fromkeys((*METRIC_COLUMNS, *TIME_COLUMNS), "float64")})
     return table.sort_values(list(KEYS), ignore_index=True)
 
 

@@ -87,7 +87,9 @@ def plan_run(model_ids: Sequence[str] | None, dataset_ids: Sequence[str] | None,
             continue
         except Exception as error:  # a dataset plug-in's failure costs its own cells only
             plan.skipped.append({"what": f"dataset {name}", "why": f"{type(error).__name__}: {error}"})
-            warnings.warn(f"dataset {name} left out: {type(error).__name__}: {error}", BrokenPluginWarning, stacklevel=2)
+            warnings.warn(
+                f"dataset {name} left out: {type(error).__name__}: {error}", BrokenPluginWarning, stacklevel=2
+            )
             continue
         plan.datasets[name] = dataset
         plan.data[name] = data_hash(dataset)
@@ -188,9 +190,23 @@ def _document(plan: Plan, command: list[str]) -> dict[str, Any]:
             "title": getattr(cls, "title", name),
             "summary": getattr(cls, "summary", ""),
             "source": getattr(cls, "source", ""),
-            "hyperparameters": {k: repr(v) for k, v in cls().get_params().items()} if hasattr(cls, "get_params") else {},
+            "hyperparameters": {k: repr(v) for k, v in cls().get_params().items()}
+            if hasattr(cls, "get_params")
+            else {},
         }
-    fields = ("title", "kind", "x_name", "x_unit", "y_name", "y_unit", "split", "source", "licence", "x_sigma", "y_sigma")
+    fields = (
+        "title",
+        "kind",
+        "x_name",
+        "x_unit",
+        "y_name",
+        "y_unit",
+        "split",
+        "source",
+        "licence",
+        "x_sigma",
+        "y_sigma",
+    )
     return {
         "schema": SCHEMA,
         **describe(command),
@@ -281,7 +297,9 @@ def _alone(spec: CellSpec, folder: Path, error: Exception) -> dict[str, Any]:
     except Exception as again:
         # The marker is as old as the cell: starting the process does not count.
         if time.time() - (folder / f".{spec.key}.started").stat().st_mtime >= spec.time_limit:
-            return fallback_cell(spec, folder, "timeout", f"took longer than {spec.time_limit:g} s and had to be killed")
+            return fallback_cell(
+                spec, folder, "timeout", f"took longer than {spec.time_limit:g} s and had to be killed"
+            )
         return fallback_cell(spec, folder, "failed", f"its process died ({type(again).__name__})")
     finally:
         executor.shutdown(wait=True, kill_workers=True)

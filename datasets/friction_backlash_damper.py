@@ -70,7 +70,10 @@ class FrictionBacklashDamper(DatasetSource):
     def load(self) -> Dataset:
         train, test = full_rate_recordings()
         x_sigma, y_sigma = sensor_noise([*train, *test])
-        strides = {r.name: round(RATE / SAMPLES_PER_CYCLE / float(r.conditions["frequency"].split()[0])) for r in (*train, *test)}
+        strides = {
+            r.name: round(RATE / SAMPLES_PER_CYCLE / float(r.conditions["frequency"].split()[0]))
+            for r in (*train, *test)
+        }
         return Dataset(
             id=self.id,
             title=self.title,

@@ -29,7 +29,9 @@ class MrDamper(DatasetSource):
 
     id: ClassVar[str] = "mr-damper"
     title: ClassVar[str] = "magnetorheological damper at 1 A"
-    summary: ClassVar[str] = "recorded: force of a magnetorheological damper, 2 to 25 mm at 0.1 to 5 Hz; depends on rate"
+    summary: ClassVar[str] = (
+        "recorded: force of a magnetorheological damper, 2 to 25 mm at 0.1 to 5 Hz; depends on rate"
+    )
     kind: ClassVar[str] = "recorded"
     licence: ClassVar[str] = "MIT"
 
@@ -47,7 +49,11 @@ class MrDamper(DatasetSource):
                         columns[1],
                         columns[3],
                         channels={"velocity_mm_s": columns[2]},
-                        conditions={"amplitude": f"{amplitude:g} mm", "frequency": f"{frequency:g} Hz", "current": "1 A"},
+                        conditions={
+                            "amplitude": f"{amplitude:g} mm",
+                            "frequency": f"{frequency:g} Hz",
+                            "current": "1 A",
+                        },
                     ),
                     0.3,
                 )

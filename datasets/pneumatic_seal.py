@@ -40,7 +40,10 @@ class PneumaticSeal(DatasetSource):
 
     def load(self) -> Dataset:
         files = require(self.id)
-        raw = {bar: np.loadtxt(files[f"{FOLDER}/O-ring_{bar}bar.csv"], unpack=True)[:, START_UP_ROWS:] for bar in (1, 3, 5, 7)}
+        raw = {
+            bar: np.loadtxt(files[f"{FOLDER}/O-ring_{bar}bar.csv"], unpack=True)[:, START_UP_ROWS:]
+            for bar in (1, 3, 5, 7)
+        }
         area = _effective_area(raw[3], raw[5])
         recordings = {bar: _recording(bar, columns, area) for bar, columns in raw.items()}
         x_sigma, y_sigma = sensor_noise(list(recordings.values()))

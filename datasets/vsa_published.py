@@ -11,7 +11,7 @@ from .base import Dataset, DatasetSource, Recording
 from .published_loop import ASCENDING, DESCENDING, TRANSITION_NEG, TRANSITION_POS
 from .trajectories import reversals
 
-__all__ = ["TORQUE_SIGMA", "ANGLE_SIGMA", "VsaPublished", "published_plant"]
+__all__ = ["ANGLE_SIGMA", "TORQUE_SIGMA", "VsaPublished", "published_plant"]
 
 TORQUE_SIGMA = 0.02
 """N·m. Assumed: 0.1 % of the 20 N·m full scale of the torque sensor that the paper names (Forsentek FTE-20)."""

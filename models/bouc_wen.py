@@ -192,7 +192,9 @@ class BoucWen(HysteresisModel):
         best: Any = None
         # Very different parameters give nearly the same loop: refine the best few, keep the best of them.
         for k in np.argsort(costs, kind="stable")[:4]:
-            found = least_squares(_residuals, points[k], bounds=(lower, upper), x_scale=(1.0, 0.5, 0.5), args=(thinned,))
+            found = least_squares(
+                _residuals, points[k], bounds=(lower, upper), x_scale=(1.0, 0.5, 0.5), args=(thinned,)
+            )
             if best is None or found.cost < best.cost:
                 best = found
         if sum(run.x.size for run in scaled) > sum(run.x.size for run in thinned):
@@ -215,7 +217,9 @@ class BoucWen(HysteresisModel):
         ):
             if high - low > 1e-9 and (value - low < 1e-4 * (high - low) or high - value < 1e-4 * (high - low)):
                 self.notes_.append(f"{name} is at its bound: this recording does not determine it")
-        self.notes_.append("A is fixed to 1: the equations do not change when z, A, beta and gamma are rescaled together")
+        self.notes_.append(
+            "A is fixed to 1: the equations do not change when z, A, beta and gamma are rescaled together"
+        )
         # The state is kept in units of the input, so that A = 1: z = amplitude * z_scaled.
         factor = amplitude**-n
         stiffness = (elastic + hysteretic) / amplitude
@@ -235,7 +239,14 @@ class BoucWen(HysteresisModel):
 
     @classmethod
     def _check_parameters(
-        cls, stiffness: Any, alpha: Any, A: Any, beta: Any, gamma: Any, n: Any, offset: Any = 0.0  # noqa: N803
+        cls,
+        stiffness: Any,
+        alpha: Any,
+        A: Any,
+        beta: Any,
+        gamma: Any,
+        n: Any,
+        offset: Any = 0.0,
     ) -> dict[str, Any]:
         values = {
             "stiffness": stiffness, "alpha": alpha, "A": A, "beta": beta, "gamma": gamma, "n": n, "offset": offset,
@@ -258,7 +269,9 @@ class BoucWen(HysteresisModel):
         bounded = p["A"] > 0.0 and p["beta"] + p["gamma"] > 0.0 and p["beta"] - p["gamma"] >= 0.0
         dissipates = p["A"] > 0.0 and p["beta"] >= abs(p["gamma"]) and (1.0 - p["alpha"]) * p["stiffness"] >= 0.0
         return [
-            Condition("the state stays bounded: A > 0, -beta < gamma <= beta (class I of Ikhouane & Rodellar)", bounded, told),
+            Condition(
+                "the state stays bounded: A > 0, -beta < gamma <= beta (class I of Ikhouane & Rodellar)", bounded, told
+            ),
             Condition("every closed loop dissipates: beta >= |gamma| and (1 - alpha) stiffness >= 0", dissipates, told),
         ]
 

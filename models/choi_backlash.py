@@ -138,7 +138,7 @@ def _invert(y, first, state, params, out, reach):
                     return i
                 for _ in range(200):
                     x = 0.5 * (low + high)
-                    if x == low or x == high:
+                    if x in (low, high):
                         break
                     if direction * (_curve(x, pos, neg, stroke) - target) < 0.0:
                         low = x

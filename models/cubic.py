@@ -78,7 +78,9 @@ class Cubic(HysteresisModel):
 
     id: ClassVar[str] = "cubic"
     title: ClassVar[str] = "Cubic per branch"
-    summary: ClassVar[str] = "one cubic polynomial per direction of motion; the baseline, no memory beyond the direction"
+    summary: ClassVar[str] = (
+        "one cubic polynomial per direction of motion; the baseline, no memory beyond the direction"
+    )
     source: ClassVar[str] = "Qin et al., section 4.2"
 
     def __init__(self, branches: int = 2, dead_band: float | None = None) -> None:

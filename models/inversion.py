@@ -90,7 +90,7 @@ def _search(
                 if sign * (outer - inner) <= 0:
                     break
             outer_gap = target - stepper.peek(outer)
-            if outer_gap == 0.0:
+            if abs(outer_gap) <= tolerance * 1e-3:
                 return outer
             if (outer_gap > 0) != (inner_gap > 0):
                 root = _bisect(stepper, target, inner, outer)

@@ -182,7 +182,7 @@ def _run(x, state, params, out):
 @njit(cache=True)
 def _next_vertex(state, params):
     """The next input, in the direction of motion, at which the current path bends (infinite where it never does)."""
-    upper_x, upper_y, lower_x, lower_y, shape_pos, shape_neg, slopes = params
+    upper_x, _upper_y, lower_x, _lower_y, shape_pos, shape_neg, _slopes = params
     direction = state[_DIRECTION]
     x = state[_X]
     n = int(state[_COUNT])
@@ -515,12 +515,11 @@ def _deflection(h: Floats, l1: float, l3: float, x0: float) -> Floats:
             f"no deflection has the virtual deformation {h[beyond[0]]:.6g} at sample {beyond[0]}: "
             f"the largest is {values[top]:.6g}, at {grid[top]:.4g} rad"
         )
-    return np.array(
-        [
-            np.sign(v) * brentq(lambda t, v=abs(v): float(virtual_deformation(t, l1, l3, x0)) - v, 0.0, grid[top], xtol=1e-14)
-            for v in h
-        ]
-    )
+
+    def gap(theta: float, wanted: float) -> float:
+        return float(virtual_deformation(theta, l1, l3, x0)) - wanted
+
+    return np.array([np.sign(v) * brentq(gap, 0.0, grid[top], args=(abs(v),), xtol=1e-14) for v in h])
 
 
 def _join(curves: dict[str, Any], name: str, top: bool) -> str:
@@ -542,9 +541,7 @@ def _join(curves: dict[str, Any], name: str, top: bool) -> str:
     )
 
 
-def _closed_loop(
-    rising: tuple[Floats, Floats], falling: tuple[Floats, Floats], segments: int
-) -> tuple[Floats, Floats]:
+def _closed_loop(rising: tuple[Floats, Floats], falling: tuple[Floats, Floats], segments: int) -> tuple[Floats, Floats]:
     """Vertices (segments + 1, 2) of the rising and the falling branch, fitted together so that they meet at both ends."""
     low = min(rising[0].min(), falling[0].min())
     high = max(rising[0].max(), falling[0].max())

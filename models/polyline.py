@@ -52,7 +52,9 @@ def _segment(x, y, w, segments):
             d3 = s[3, j] - s[3, i]
             d4 = s[4, j] - s[4, i]
             d5 = s[5, j] - s[5, i]
-            error = d5 - 2 * slope * d4 - 2 * level * d2 + slope * slope * d3 + 2 * slope * level * d1 + level * level * d0
+            error = (
+                d5 - 2 * slope * d4 - 2 * level * d2 + slope * slope * d3 + 2 * slope * level * d1 + level * level * d0
+            )
             for q in range(1, segments + 1):
                 total = best[q - 1, i] + max(error, 0.0)
                 if total < best[q, j]:

@@ -6,6 +6,7 @@ import hashlib
 import io
 import re
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import matplotlib as mpl
@@ -23,7 +24,16 @@ Floats = NDArray[np.float64]
 # Okabe and Ito's colours, told apart by the colour-blind and readable on white and on black; never the only mark.
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc6fa5", "#c98a00", "#3aa0dc", "#8b6bd6", "#7a7a00")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
-DASHES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1.5, 1)), (0, (6, 1.5, 1.5, 1.5)), (0, (3, 1)), (0, (8, 2)), "-", "--")
+DASHES: tuple[Any, ...] = (
+    "-",
+    (0, (5, 1.5)),
+    (0, (1.5, 1)),
+    (0, (6, 1.5, 1.5, 1.5)),
+    (0, (3, 1)),
+    (0, (8, 2)),
+    "-",
+    "--",
+)
 # A colour that nothing else uses stands for the page's own text colour until the SVG is written.
 INK = "#010203"
 MEASURED = "#8a8a8a"
@@ -66,7 +76,9 @@ def _svg(figure: Figure, name: str, description: str) -> str:
     """The figure as an inline SVG element, the same bytes for the same figure."""
     stream = io.StringIO()
     with mpl.rc_context({**STYLE, "svg.hashsalt": name}):
-        FigureCanvasSVG(figure).print_svg(stream, metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
+        FigureCanvasSVG(figure).print_svg(
+            stream, metadata={"Date": None, "Creator": None, "Format": None, "Type": None}
+        )
     text = stream.getvalue()
     text = text[text.index("<svg") :]
     # Several figures share one page: their element names must not meet.
@@ -77,11 +89,13 @@ def _svg(figure: Figure, name: str, description: str) -> str:
     text = re.sub(r"font: ([\d.]+)px [^;\"]*", r"font-size: \1px", text)
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     text = re.sub(r"\n\s*", "\n", text)
-    text = re.sub(r'(\d+\.\d{2})\d+', r"\1", text)
+    text = re.sub(r"(\d+\.\d{2})\d+", r"\1", text)
     label = _escape(description)
     return re.sub(
         r'<svg ([^>]*?)width="([\d.]+)pt" height="([\d.]+)pt"',
-        lambda m: f'<svg {m[1]}role="img" aria-label="{label}" class="figure" style="max-width:{float(m[2]) * 1.34:.0f}px"',
+        lambda m: (
+            f'<svg {m[1]}role="img" aria-label="{label}" class="figure" style="max-width:{float(m[2]) * 1.34:.0f}px"'
+        ),
         text,
         count=1,
     )
@@ -113,7 +127,7 @@ def _extremes(series: Floats, buckets: int = POINTS // 2) -> NDArray[np.intp]:
         return np.arange(series.size)
     edges = np.linspace(0, series.size, buckets + 1).astype(int)
     kept: set[int] = {0, series.size - 1}
-    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+    for start, stop in pairwise(edges):
         kept.add(start + int(np.argmin(series[start:stop])))
         kept.add(start + int(np.argmax(series[start:stop])))
     return np.array(sorted(kept))
@@ -142,7 +156,12 @@ def loops(run: RunDirectory, dataset: str) -> str:
             for recording in np.unique(arrays["recording"][chosen]):
                 part = _thin(chosen[arrays["recording"][chosen] == recording])
                 axis.plot(arrays["x_true"][part], arrays["y_true"][part], color=MEASURED, linewidth=2.2, alpha=0.55)
-                axis.plot(arrays["x_true"][part], arrays["y_pred"][part], color=model_style(run, model)["color"], linewidth=0.9)
+                axis.plot(
+                    arrays["x_true"][part],
+                    arrays["y_pred"][part],
+                    color=model_style(run, model)["color"],
+                    linewidth=0.9,
+                )
         for axis in axes.flat[len(run.models) :]:
             axis.set_visible(False)
         figure.supxlabel(f"{info.get('x_name', 'input')}, {info.get('x_unit', '')}", fontsize=9)
@@ -179,7 +198,9 @@ def errors_over_time(run: RunDirectory, dataset: str) -> str:
             axis.plot(kept, error[kept], color=model_style(run, model)["color"], linewidth=0.7)
         figure.supxlabel("scored test sample", fontsize=9)
         figure.supylabel(f"error, {info.get('y_unit', '')}", fontsize=9)
-        return _svg(figure, f"errors {dataset}", f"Prediction error of each model over the scored test samples of {dataset}")
+        return _svg(
+            figure, f"errors {dataset}", f"Prediction error of each model over the scored test samples of {dataset}"
+        )
 
 
 def noise_study(run: RunDirectory, datasets: Sequence[str]) -> str:
@@ -198,7 +219,9 @@ def noise_study(run: RunDirectory, datasets: Sequence[str]) -> str:
                     if not found.empty:
                         places.append(place)
                         values.append(max(float(found["nrmse"].median()), 1e-7))
-                axis.plot(places, values, markersize=4, linewidth=1.0, label=run.model_title(model), **model_style(run, model))
+                axis.plot(
+                    places, values, markersize=4, linewidth=1.0, label=run.model_title(model), **model_style(run, model)
+                )
             axis.set_title(dataset, loc="left")
             axis.set_yscale("log")
             axis.set_xticks(range(len(conditions)), conditions)

@@ -52,9 +52,13 @@ def _context(run: RunDirectory) -> dict[str, Any]:
         "version": __version__,
         "run": document,
         "verdict": _verdict(run),
-        "incomplete": "" if document.get("finished", True) and done >= total else f"{done} of {total} cells are finished",
+        "incomplete": ""
+        if document.get("finished", True) and done >= total
+        else f"{done} of {total} cells are finished",
         "headlines": [(tables.TASK_TITLES[task], tables.headline_table(run, task)) for task in TASKS],
-        "papers": [(n, t, tables.order_statement(run, n)) for n in (4, 5) if (t := tables.paper_table(run, n)) is not None],
+        "papers": [
+            (n, t, tables.order_statement(run, n)) for n in (4, 5) if (t := tables.paper_table(run, n)) is not None
+        ],
         "metrics": METRICS,
         "datasets": [_dataset(run, name) for name in run.datasets],
         "noise_figure": Markup(figures.noise_study(run, studied)) if studied else "",

@@ -169,7 +169,9 @@ def order_statement(run: RunDirectory, number_: int) -> str:
         values = []
         for model in names:
             rows = run.rows("vsa-published", condition, task, model)
-            values.append(float(rows["rmse"].median()) if not rows.empty and (rows["status"] == "ok").all() else math.nan)
+            values.append(
+                float(rows["rmse"].median()) if not rows.empty and (rows["status"] == "ok").all() else math.nan
+            )
         if any(math.isnan(v) for v in values):
             continue
         ordered = values[0] < values[1] < values[2] if number_ == 4 else values[0] < min(values[1:])
@@ -233,7 +235,12 @@ def reversal_table(run: RunDirectory) -> Table:
                 float(np.median([f.get(key) if f.get(key) is not None else np.nan for f in found]))
                 for key in ("x_noise_rms", "y_noise_rms", "true_reversals", "false_reversals")
             ]
-            rows.append([Cell(f"{dataset}, {condition}", sort=f"{dataset} {condition}"), *(Cell(number(v), sort=v) for v in values)])
+            rows.append(
+                [
+                    Cell(f"{dataset}, {condition}", sort=f"{dataset} {condition}"),
+                    *(Cell(number(v), sort=v) for v in values),
+                ]
+            )
     return Table(
         "Noise left in the test signals (RMS against the noise-free signal), and reversals that are none",
         ["Dataset, condition", "input noise", "output noise", "true reversals", "false reversals"],
@@ -258,7 +265,9 @@ def compensation_table(run: RunDirectory) -> Table:
         for dataset in wanted:
             cell = _metric(run.rows(dataset, run.reference_condition(dataset), "compensation", model), "rmse")
             found.append(cell)
-            ratio = cell.sort / without[dataset] if isinstance(cell.sort, float) and math.isfinite(cell.sort) else math.nan
+            ratio = (
+                cell.sort / without[dataset] if isinstance(cell.sort, float) and math.isfinite(cell.sort) else math.nan
+            )
             found.append(Cell(f"{ratio:.0%}", sort=ratio) if math.isfinite(ratio) else Cell("–", muted=True))
         return found
 
@@ -283,7 +292,12 @@ def timing_table(run: RunDirectory) -> Table:
     def cells(model: str) -> list[Cell]:
         timings = [c["timing"] for c in run.iter_cells(model=model) if c.get("timing")]
         found = []
-        for key, scale in (("fit_s", 1.0), ("predict_ns_per_sample", 1.0), ("step_ns", 1.0), ("invert_ns_per_sample", 1e-3)):
+        for key, scale in (
+            ("fit_s", 1.0),
+            ("predict_ns_per_sample", 1.0),
+            ("step_ns", 1.0),
+            ("invert_ns_per_sample", 1e-3),
+        ):
             values = [t[key] * scale for t in timings if t.get(key) is not None]
             if not values:
                 found.append(Cell("–", muted=True))

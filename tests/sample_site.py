@@ -26,7 +26,9 @@ def install_wheel(source: Path, work: Path) -> Path:
     return site
 
 
-def hystbench(*arguments: object, cwd: Path, site: Path | None = None, **environment: str) -> subprocess.CompletedProcess[str]:
+def hystbench(
+    *arguments: object, cwd: Path, site: Path | None = None, **environment: str
+) -> subprocess.CompletedProcess[str]:
     """Run the command in a process of its own, with ``site`` on its path."""
     env = {**os.environ, **environment}
     if site is not None:

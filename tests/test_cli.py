@@ -206,7 +206,19 @@ def test_debug_shows_the_traceback_and_nothing_else_does(folder: Path, capsys: p
 
 
 def test_results_go_to_stdout_and_messages_to_stderr_without_progress_when_piped(folder: Path) -> None:
-    command = [sys.executable, "-m", "hystbench", "run", "--quick", "--models", "cubic", "--datasets", "vsa-published", "--out", "out"]
+    command = [
+        sys.executable,
+        "-m",
+        "hystbench",
+        "run",
+        "--quick",
+        "--models",
+        "cubic",
+        "--datasets",
+        "vsa-published",
+        "--out",
+        "out",
+    ]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0
     assert done.stdout == "out/report.html\n"

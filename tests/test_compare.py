@@ -20,7 +20,14 @@ def table(**changes: dict) -> pd.DataFrame:
         for d, dataset in enumerate(("one", "two")):
             for seed in range(3):
                 row = dict.fromkeys(COLUMNS, 1.0)
-                row |= {"model": model, "dataset": dataset, "condition": "kalman", "task": "forward", "seed": seed, "n": 10}
+                row |= {
+                    "model": model,
+                    "dataset": dataset,
+                    "condition": "kalman",
+                    "task": "forward",
+                    "seed": seed,
+                    "n": 10,
+                }
                 row |= {"nrmse": 0.01 * (1 + m + d) * (1 + 0.001 * seed), "status": "ok", "message": ""}
                 rows.append(row | changes.get(f"{model}/{dataset}", {}))
     return pd.DataFrame(rows)[list(COLUMNS)]

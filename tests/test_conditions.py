@@ -49,7 +49,9 @@ def test_filters_take_noise_and_false_reversals_away() -> None:
     found = {name: apply(dataset(), name, 0).filter for name in ("noisy", "kalman", "smoothed")}
     for channel in ("x_noise_rms", "y_noise_rms"):
         assert found["smoothed"][channel] < found["kalman"][channel] < 0.8 * found["noisy"][channel]
-    assert found["smoothed"]["false_reversals"] <= found["kalman"]["false_reversals"] < found["noisy"]["false_reversals"]
+    assert (
+        found["smoothed"]["false_reversals"] <= found["kalman"]["false_reversals"] < found["noisy"]["false_reversals"]
+    )
 
 
 def test_the_filter_equals_the_textbooks_recursion() -> None:
@@ -106,7 +108,9 @@ def test_uneven_sampling_is_filtered_with_its_own_steps() -> None:
     even = np.arange(600) / 100.0
     uneven = np.sort(even + generator.uniform(-0.004, 0.004, even.size))
     noise = 0.02 * generator.standard_normal(even.size)
-    results = [np.std((_filter(t, np.sin(3 * t) + noise, 0.02, 1e5, False) - np.sin(3 * t))[50:]) for t in (even, uneven)]
+    results = [
+        np.std((_filter(t, np.sin(3 * t) + noise, 0.02, 1e5, False) - np.sin(3 * t))[50:]) for t in (even, uneven)
+    ]
     assert results[1] < 1.1 * results[0]
     assert results[1] < 0.015
 

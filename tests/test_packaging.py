@@ -8,6 +8,7 @@ from importlib.metadata import entry_points, version
 from pathlib import Path
 
 import pytest
+
 from sample_site import ROOT, hystbench, install_wheel
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+
 from sample_site import ROOT, hystbench, install_wheel
 
 MODELS = "sample-stop,sample-duck,sample-raises,sample-nan,sample-hangs,sample-exits,sample-messy"

@@ -139,7 +139,10 @@ def test_an_empty_folder_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixtu
 
 
 def relative_luminance(colour: str) -> float:
-    values = [int(colour[k : k + len(colour) // 3] * (2 if len(colour) == 3 else 1), 16) / 255 for k in range(0, len(colour), len(colour) // 3)]
+    values = [
+        int(colour[k : k + len(colour) // 3] * (2 if len(colour) == 3 else 1), 16) / 255
+        for k in range(0, len(colour), len(colour) // 3)
+    ]
     linear = [v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4 for v in values]
     return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
 
@@ -184,7 +187,9 @@ def test_in_a_browser_nothing_overflows_and_tables_sort(run: Path, tmp_path: Pat
     </script>""".replace("WIDTH", str(width))
     inner = (run / "report.html").read_text().replace("</script", "<\\/script")
     page = tmp_path / "probe.html"
-    page.write_text(f'<!doctype html><meta charset="utf-8"><body>{probe}<script type="text/plain" id="inner">{inner}</script>')
+    page.write_text(
+        f'<!doctype html><meta charset="utf-8"><body>{probe}<script type="text/plain" id="inner">{inner}</script>'
+    )
     text = page.read_text().replace(
         'document.getElementById("inner").textContent',
         'document.getElementById("inner").textContent.replaceAll("<\\\\/script", "</" + "script")',

@@ -86,7 +86,9 @@ def test_fresh_computes_every_cell_again(small_run: Path) -> None:
     assert all(after[name] > before[name] for name in before)
 
 
-def test_a_run_killed_in_the_middle_says_so_and_is_finished_by_the_same_command(small_run: Path, tmp_path: Path) -> None:
+def test_a_run_killed_in_the_middle_says_so_and_is_finished_by_the_same_command(
+    small_run: Path, tmp_path: Path
+) -> None:
     command = [sys.executable, "-m", "hystbench", *SMALL, "--out", str(tmp_path / "out"), "--jobs", "1"]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd=tmp_path)
     deadline = time.monotonic() + 120
@@ -102,14 +104,15 @@ def test_a_run_killed_in_the_middle_says_so_and_is_finished_by_the_same_command(
     assert execute(cli, [*SMALL, "--out", str(tmp_path / "out")]) == 0
     assert kept.items() <= cell_times(tmp_path / "out").items()
     assert "This run is incomplete" not in (tmp_path / "out" / "report.html").read_text()
-    pd.testing.assert_frame_equal(
-        results(tmp_path / "out").drop(columns=TIMES), results(small_run).drop(columns=TIMES)
-    )
+    pd.testing.assert_frame_equal(results(tmp_path / "out").drop(columns=TIMES), results(small_run).drop(columns=TIMES))
 
 
 def test_another_selection_in_the_same_folder_keeps_the_first_ones_cells(small_run: Path) -> None:
     before = cell_times(small_run)
-    assert execute(cli, ["run", "--quick", "--models", "cubic", "--datasets", "vsa-minor-loops", "--out", str(small_run)]) == 0
+    assert (
+        execute(cli, ["run", "--quick", "--models", "cubic", "--datasets", "vsa-minor-loops", "--out", str(small_run)])
+        == 0
+    )
     assert set(results(small_run)["model"]) == {"cubic"}
     assert execute(cli, [*SMALL, "--out", str(small_run)]) == 0
     assert cell_times(small_run) == before

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -18,7 +20,7 @@ PLANTS = (published_plant, minor_loop_plant, physical_plant)
 
 
 def motion(*points: float, step: float = 0.002) -> np.ndarray:
-    pieces = [np.linspace(a, b, max(2, round(abs(b - a) / step) + 1))[1:] for a, b in zip(points[:-1], points[1:], strict=True)]
+    pieces = [np.linspace(a, b, max(2, round(abs(b - a) / step) + 1))[1:] for a, b in pairwise(points)]
     return np.concatenate([[points[0]], *pieces])
 
 
