@@ -182,6 +182,7 @@ def predict_is_finite_and_shaped(case: Case) -> None:
     _expect(y.dtype == np.float64, f"expected predict to return float64; got {y.dtype}")
     bad = np.flatnonzero(~np.isfinite(y))
     _expect(bad.size == 0, f"expected finite outputs; {bad.size} are not, first at sample {bad[:1]}")
+    _expect_same("predict for the second time", y, case.predicted)
     one = case.fitted.predict(case.x[5:6])
     _expect(np.shape(one) == (1,), f"expected one output for one sample; got shape {np.shape(one)}")
 

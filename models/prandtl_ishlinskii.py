@@ -31,7 +31,8 @@ def _initial_state(capacity: int) -> Floats:
 def _loading(d, thresholds, slopes, intercepts, per_step):
     """Initial loading curve: sum of w_i max(d - r_i, 0) for d >= 0."""
     if per_step > 0.0:
-        k = min(int(d * per_step), thresholds.size - 1)
+        # The bound comes first: a float beyond the integers has no meaningful int().
+        k = int(min(d * per_step, thresholds.size - 1.0))
     else:
         k = max(np.searchsorted(thresholds, d) - 1, 0)
     return slopes[k] * d - intercepts[k]
@@ -230,5 +231,5 @@ def _reduce(columns: Floats, target: Floats) -> tuple[Floats, Floats]:
     """The least-squares problem through QR: as many rows as columns, the same minimum."""
     if columns.shape[0] <= columns.shape[1]:
         return columns, target
-    triangle = np.linalg.qr(np.column_stack([columns, target]), mode="r")
+    triangle: Floats = np.linalg.qr(np.column_stack([columns, target]), mode="r")
     return triangle[:, :-1], triangle[:, -1]

@@ -73,7 +73,8 @@ def _virgin(x, alphas, betas, rise_at, rise, fall_at, fall, width):
     away = abs(x) / width
     sums = rise if x >= 0.0 else fall
     cells = sums.size // 3
-    k = min(int(away), cells - 1)
+    # The bound comes first: a float beyond the integers has no meaningful int().
+    k = int(min(away, cells - 1.0))
     f = min(away - k, 1.0)
     change = 2.0 * (sums[3 * k] + f * sums[3 * k + 1] + f * f * sums[3 * k + 2])
     return change if x >= 0.0 else -change
