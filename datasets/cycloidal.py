@@ -36,7 +36,7 @@ from .base import Dataset, DatasetSource, Recording
 from .recorded import until_first_turn
 from .store import require
 
-__all__ = ["Cycloidal"]
+__all__ = ["Cycloidal", "loops"]
 
 Floats = NDArray[np.float64]
 
@@ -87,7 +87,7 @@ class Cycloidal(DatasetSource):
         files = require(self.id)
         found = {}
         for prototype, path in FIGURES.items():
-            for (test, rate), state, torque, degrees in _loops(files[path]):
+            for (test, rate), state, torque, degrees in loops(files[path]):
                 # Vertices of equal torque would be simultaneous: they are told apart by the clock's last digits.
                 steps = np.maximum(np.abs(np.diff(torque)), 1e-9)
                 name = f"{prototype}, {test}, {state}"
@@ -150,7 +150,7 @@ def _even(loop: Recording) -> Recording:
     )
 
 
-def _loops(figure: Path) -> list[tuple[tuple[str, float], str, Floats, Floats]]:
+def loops(figure: Path) -> list[tuple[tuple[str, float], str, Floats, Floats]]:
     """Test and ramp rate, state, torque (N·m) and deflection (°) of every line of a figure."""
     root = ElementTree.parse(figure).getroot()
     # The legend stands in the second axes only; colours are common to both.
@@ -158,7 +158,7 @@ def _loops(figure: Path) -> list[tuple[tuple[str, float], str, Floats, Floats]]:
     texts = [_text(group) for group in _groups(legend, "text_")]
     colours = [_colour(_only(group, "svg:path")) for group in _groups(legend, "line2d_")]
     states = {colour: STATES[text] for colour, text in zip(colours, texts, strict=True)}
-    found = []
+    found: list[tuple[tuple[str, float], str, Floats, Floats]] = []
     for axes in root.iterfind(".//svg:g", NAMESPACES):
         if not axes.get("id", "").startswith("axes_"):
             continue
@@ -167,9 +167,8 @@ def _loops(figure: Path) -> list[tuple[tuple[str, float], str, Floats, Floats]]:
         for group in _groups(axes, "line2d_"):
             path = _only(group, "svg:path")
             points = np.array(re.findall(r"[ML] (\S+) (\S+)", path.get("d", "")), dtype=np.float64)
-            found.append(
-                (test, states[_colour(path)], np.polyval(to_torque, points[:, 0]), np.polyval(to_degrees, points[:, 1]))
-            )
+            torque, degrees = points.T * [[to_torque[0]], [to_degrees[0]]] + [[to_torque[1]], [to_degrees[1]]]
+            found.append((test, states[_colour(path)], torque, degrees))
     if len(found) != 2 * len(states):
         raise InputError(f"{figure}: {len(found)} lines, not {2 * len(states)}; fetch the file again")
     return found

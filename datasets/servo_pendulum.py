@@ -30,13 +30,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.constants import g as GRAVITY
 from scipy.signal import savgol_filter
 
 from .base import Dataset, DatasetSource, Recording
 from .recorded import sensor_noise, until_first_turn
 from .store import require
 
-__all__ = ["ServoPendulum"]
+__all__ = ["ServoLog", "ServoPendulum", "drive_constants"]
 
 Floats = NDArray[np.float64]
 
@@ -45,7 +46,6 @@ TRAJECTORY = "sin_time_square"
 TRAIN, TEST = (200, 800), (100, 400)
 """Firmware gains of the split."""
 
-GRAVITY = 9.81
 FULL_DUTY = 885.0
 MOVING = 0.2
 """rad/s. Below it the servo may stick, and friction takes any value up to its limit."""
@@ -72,8 +72,8 @@ class ServoPendulum(DatasetSource):
         DatasetUnavailableError
             If the files are not on this machine.
         """
-        logs = [_Log(json.loads(path.read_text(encoding="utf-8"))) for path in require(self.id).values()]
-        drive = _drive([log for log in logs if log.trajectory == TRAJECTORY and log.gain in TRAIN])
+        logs = [ServoLog(json.loads(path.read_text(encoding="utf-8"))) for path in require(self.id).values()]
+        drive = drive_constants([log for log in logs if log.trajectory == TRAJECTORY and log.gain in TRAIN])
         return {log.name: log.recording(drive) for log in logs}
 
     def load(self) -> Dataset:
@@ -112,7 +112,7 @@ class ServoPendulum(DatasetSource):
         )
 
 
-class _Log:
+class ServoLog:
     """One log as published, and the terms of the servo's balance of voltages."""
 
     def __init__(self, document: dict[str, Any]) -> None:
@@ -169,8 +169,8 @@ class _Log:
         )
 
 
-def _drive(logs: Sequence[_Log]) -> Floats:
-    """Voltage per unit of each of :meth:`_Log.terms`, shape (4,)."""
+def drive_constants(logs: Sequence[ServoLog]) -> Floats:
+    """Voltage per unit of each of :meth:`ServoLog.terms`, shape (4,)."""
     moving = [log.moving() for log in logs]
     design = np.concatenate([log.terms()[keep] for log, keep in zip(logs, moving, strict=True)])
     voltage = np.concatenate([log.voltage[keep] for log, keep in zip(logs, moving, strict=True)])
