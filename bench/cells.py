@@ -6,8 +6,9 @@ import hashlib
 import importlib
 import inspect
 import json
+import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from importlib.metadata import version
@@ -54,7 +55,7 @@ class CellSpec:
         document = {
             "model": self.model,
             "version": getattr(cls, "version", None),
-            "code": _code_hash(cls),
+            "code": _code_hash(cls.__module__),
             "hyperparameters": repr(cls().get_params()) if hasattr(cls, "get_params") else None,
             "metrics": METRIC_VERSION,
             "packages": {name: version(name) for name in PACKAGES},
@@ -68,15 +69,32 @@ class CellSpec:
 
 
 @lru_cache(maxsize=64)
-def _code_hash(cls: type[Any]) -> str:
-    """Hash of the source of the model's package: a helper that changed must not leave old cells valid."""
-    module = importlib.import_module(cls.__module__)
+def _code_hash(name: str) -> str:
+    """Hash of the source that a model depends on: a helper that changed must not leave old cells valid.
+
+    That is its own file, the files of its folder that hold no other model, and what these import from the folder.
+    """
+    module = importlib.import_module(name)
     try:
         folder = Path(inspect.getfile(module)).parent
-        sources = sorted(folder.glob("*.py"))
-        return hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()
     except (OSError, TypeError):
         return ""
+    others = {models.get(other).__module__ for other in models.ids()}
+    siblings = {f"{name.rpartition('.')[0]}.{path.stem}": path for path in folder.glob("*.py")}
+    wanted = {other for other in siblings if other not in others} | _imported(name, siblings.keys())
+    return hashlib.sha256(b"".join(siblings[other].read_bytes() for other in sorted(wanted))).hexdigest()
+
+
+def _imported(name: str, siblings: Collection[str]) -> set[str]:
+    """The module and those among its siblings from which it has functions or classes, and so on."""
+    found: set[str] = set()
+    waiting = [name]
+    while waiting:
+        current = waiting.pop()
+        if current in siblings and current not in found:
+            found.add(current)
+            waiting += [str(getattr(v, "__module__", "")) for v in vars(sys.modules[current]).values() if callable(v)]
+    return found
 
 
 @lru_cache(maxsize=16)

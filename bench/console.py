@@ -53,13 +53,13 @@ def message(text: str) -> None:
     click.echo(f"hystbench: {text}", err=True)
 
 
-def _show_warning(text: Warning | str, category: type[Warning], *rest: Any, **more: Any) -> None:
+def _show_warning(text: Warning | str, *args: Any, **more: Any) -> None:
     message(f"warning: {' '.join(str(text).split())}")
 
 
 def execute(command: click.Command, arguments: list[str] | None = None) -> int:
     """Run the command line and return the exit code."""
-    warnings.showwarning = _show_warning
+    warnings.showwarning = _show_warning  # type: ignore[assignment]  # its arguments differ in name only
     given = sys.argv[1:] if arguments is None else arguments
     try:
         result = command.main(given, prog_name="hystbench", standalone_mode=False)

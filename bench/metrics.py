@@ -78,19 +78,17 @@ def score(truth: ArrayLike, estimate: ArrayLike, keep: ArrayLike | None = None) 
     ValueError
         If shapes differ, nothing is left to score, or a scored value is not finite.
     """
-    truth, estimate = np.asarray(truth, dtype=np.float64), np.asarray(estimate, dtype=np.float64)
-    if truth.shape != estimate.shape or truth.ndim != 1:
-        raise ValueError(
-            f"truth and estimate must be 1-D and alike; their shapes are {truth.shape} and {estimate.shape}"
-        )
+    true, found = np.asarray(truth, dtype=np.float64), np.asarray(estimate, dtype=np.float64)
+    if true.shape != found.shape or true.ndim != 1:
+        raise ValueError(f"truth and estimate must be 1-D and alike; their shapes are {true.shape} and {found.shape}")
     if keep is not None:
         chosen = np.asarray(keep, dtype=bool)
-        if chosen.shape != truth.shape:
-            raise ValueError(f"keep must have shape {truth.shape}; it has {chosen.shape}")
-        truth, estimate = truth[chosen], estimate[chosen]
-    if truth.size == 0:
+        if chosen.shape != true.shape:
+            raise ValueError(f"keep must have shape {true.shape}; it has {chosen.shape}")
+        true, found = true[chosen], found[chosen]
+    if true.size == 0:
         raise ValueError("no sample is left to score")
-    if not (np.all(np.isfinite(truth)) and np.all(np.isfinite(estimate))):
+    if not (np.all(np.isfinite(true)) and np.all(np.isfinite(found))):
         raise ValueError("truth and estimate must be finite where they are scored")
-    error = estimate - truth
-    return {"n": truth.size, **{metric.id: metric.function(error, truth) for metric in METRICS}}
+    error = found - true
+    return {"n": true.size, **{metric.id: metric.function(error, true) for metric in METRICS}}

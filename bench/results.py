@@ -52,7 +52,7 @@ def write_cell(folder: Path, cell: Mapping[str, Any], arrays: Mapping[str, np.nd
     """Write one finished cell, its arrays first: a cell whose JSON exists is whole."""
     if arrays:
         with replacing(folder / f"{cell['key']}.npz") as temporary:
-            np.savez_compressed(temporary, **arrays)
+            np.savez_compressed(temporary, allow_pickle=False, **arrays)
     write_text(folder / f"{cell['key']}.json", json.dumps(plain(cell), indent=1, allow_nan=False) + "\n")
 
 

@@ -121,7 +121,7 @@ class HysteresisModel:
         raise TypeError(f"{type(self).__name__} does not define _identify")
 
     @classmethod
-    def _check_parameters(cls, **parameters: Any) -> dict[str, Any]:
+    def _check_parameters(cls, *args: Any, **parameters: Any) -> dict[str, Any]:
         """Return the parameters in canonical form, or raise InputError naming the bad one."""
         raise TypeError(f"{cls.__name__} does not define _check_parameters")
 

@@ -227,7 +227,7 @@ class ChoiBacklash(HysteresisModel):
                 distinct = np.unique(x[chosen]).size
                 if distinct >= 2:
                     degree = min(self.degree, max(1, distinct // 4))
-                    fitted[side] = Polynomial.fit(x[chosen], y[chosen], degree).convert().coef
+                    fitted[side] = np.asarray(Polynomial.fit(x[chosen], y[chosen], degree).convert().coef, dtype=float)
             if not fitted:
                 raise InputError(
                     f"no sample lies on the {branch} curve: every half cycle is shorter than the transition; "

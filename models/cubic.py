@@ -102,7 +102,7 @@ class Cubic(HysteresisModel):
         up, down = np.concatenate(rising), np.concatenate(falling)
         if self.branches == 1:
             up = down = np.concatenate([up, down])
-        coefficients = {}
+        coefficients: dict[str, Any] = {}
         for name, points in (("ascending", up), ("descending", down)):
             distinct = np.unique(points[:, 0]).size
             if distinct == 0:

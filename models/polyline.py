@@ -133,8 +133,11 @@ def _refine(x: Floats, y: Floats, vertices: Floats) -> Floats:
         result[-1] = high
         return result
 
+    def residuals(unknowns: Floats) -> Floats:
+        return _profile(x, y, moved(unknowns))[0]
+
     found = least_squares(
-        lambda unknowns: _profile(x, y, moved(unknowns))[0],
+        residuals,
         logarithms[:-1] - logarithms[-1],
         x_scale=0.1,
         xtol=1e-12,

@@ -231,5 +231,5 @@ def _reduce(columns: Floats, target: Floats) -> tuple[Floats, Floats]:
     """The least-squares problem through QR: as many rows as columns, the same minimum."""
     if columns.shape[0] <= columns.shape[1]:
         return columns, target
-    triangle: Floats = np.linalg.qr(np.column_stack([columns, target]), mode="r")
+    triangle: Floats = np.asarray(np.linalg.qr(np.column_stack([columns, target]), mode="r"))
     return triangle[:, :-1], triangle[:, -1]

@@ -38,7 +38,7 @@ DASHES: tuple[Any, ...] = (
 INK = "#010203"
 MEASURED = "#8a8a8a"
 POINTS = 420
-STYLE = {
+STYLE: Any = {
     "svg.fonttype": "none",
     "font.size": 9.0,
     "axes.titlesize": 9.5,

@@ -112,8 +112,9 @@ def _fit(run: RunDirectory, model: str) -> dict[str, Any]:
 def _failures(run: RunDirectory) -> list[dict[str, Any]]:
     """Failed and timed-out cells, equal reasons together."""
     bad = run.table[run.table["status"].isin(["failed", "timeout"])]
-    grouped = bad.groupby(["model", "dataset", "status", "message"], sort=True).size()
+    columns = [bad[name].tolist() for name in ("model", "dataset", "status", "message")]
+    counts = Counter(zip(*columns, strict=True))
     return [
-        {"model": run.model_title(m), "dataset": d, "status": s, "message": text, "count": int(count)}
-        for (m, d, s, text), count in grouped.items()
+        {"model": run.model_title(m), "dataset": d, "status": s, "message": text, "count": count}
+        for (m, d, s, text), count in sorted(counts.items())
     ]

@@ -90,7 +90,7 @@ def _metric(rows: pd.DataFrame, column: str) -> Cell:
 def _mark_best(rows: list[list[Cell]], columns: Iterable[int]) -> list[list[Cell]]:
     """Mark the smallest figure of each given column (ties all)."""
     for column in columns:
-        values = [row[column].sort for row in rows if isinstance(row[column].sort, float)]
+        values = [value for row in rows if isinstance(value := row[column].sort, float)]
         least = min((v for v in values if math.isfinite(v)), default=None)
         if least is None:
             continue
@@ -164,7 +164,8 @@ def order_statement(run: RunDirectory, number_: int) -> str:
     """Whether the paper's order of the three models holds in this run, condition by condition."""
     task = "forward" if number_ == 4 else "inverse"
     names = ("maxwell-slip", "cubic", "bouc-wen")
-    holds, breaks = [], []
+    holds: list[str] = []
+    breaks: list[str] = []
     for condition in run.conditions("vsa-published"):
         values = []
         for model in names:

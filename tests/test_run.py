@@ -153,3 +153,26 @@ def test_a_senseless_time_limit_is_refused(limit: str, tmp_path: Path, monkeypat
     monkeypatch.setenv("HYSTBENCH_TIME_LIMIT", limit)
     assert execute(cli, [*SMALL, "--out", str(tmp_path / "out")]) == 2
     assert not (tmp_path / "out").exists()
+
+
+def test_a_change_of_one_models_file_leaves_the_other_models_cells_valid(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    from hystbench.bench import cells
+
+    def hashes() -> dict[str, str]:
+        cells._code_hash.cache_clear()
+        return {name: cells._code_hash(f"hystbench.models.{name}") for name in ("cubic", "bouc_wen", "maxwell_slip")}
+
+    before = hashes()
+    assert len(set(before.values())) == 3
+    real = Path.read_bytes
+    for changed, affected in (("cubic.py", {"cubic"}), ("motion.py", set(before)), ("base.py", set(before))):
+
+        def read(path: Path, changed: str = changed) -> bytes:
+            return real(path) + (b"#" if path.name == changed else b"")
+
+        monkeypatch.setattr(Path, "read_bytes", read)
+        assert {name for name, value in hashes().items() if value != before[name]} == affected
+        monkeypatch.undo()
+    cells._code_hash.cache_clear()
