@@ -57,7 +57,7 @@ def plan_run(model_ids: Sequence[str] | None, dataset_ids: Sequence[str] | None,
     model_ids, dataset_ids : sequence of str or None
         None: all that are registered; recorded datasets whose files are absent are then left out and named.
     quick : bool
-        One seed and fewer conditions.
+        One seed, fewer conditions, and of the datasets only those that are not extended (unless named).
 
     Raises
     ------
@@ -73,6 +73,9 @@ def plan_run(model_ids: Sequence[str] | None, dataset_ids: Sequence[str] | None,
     for registry in (models.registry, datasets.registry):
         plan.skipped += [{"what": f"{registry.kind} {name}", "why": why} for name, why in registry.broken.items()]
     for name in list(dict.fromkeys(dataset_ids)) if dataset_ids else datasets.ids():
+        if quick and not dataset_ids and getattr(datasets.get(name), "extended", False):
+            plan.skipped.append({"what": f"dataset {name}", "why": "left out because the run is quick"})
+            continue
         datasets.get(name)
         try:
             dataset = load_dataset(name)

@@ -110,6 +110,8 @@ class DatasetSource:
     kind: ClassVar[str]
     """``"synthetic"`` or ``"recorded"``."""
     licence: ClassVar[str]
+    extended: ClassVar[bool] = False
+    """Whether ``--quick`` runs leave it out."""
 
     def load(self) -> Dataset:
         """Return the dataset.

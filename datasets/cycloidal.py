@@ -75,6 +75,7 @@ class Cycloidal(DatasetSource):
     )
     kind: ClassVar[str] = "recorded"
     licence: ClassVar[str] = "CC-BY-SA-4.0"
+    extended: ClassVar[bool] = True
 
     def recordings(self) -> dict[str, Recording]:
         """Every published mean loop, vertex by vertex.

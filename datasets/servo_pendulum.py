@@ -63,6 +63,7 @@ class ServoPendulum(DatasetSource):
     summary: ClassVar[str] = "recorded: friction torque of an XL330 servo, swings of rising frequency at four gains"
     kind: ClassVar[str] = "recorded"
     licence: ClassVar[str] = "Apache-2.0"
+    extended: ClassVar[bool] = True
 
     def recordings(self) -> dict[str, Recording]:
         """Every published log at its full rate less 10 samples at either end, with the friction torque as output.

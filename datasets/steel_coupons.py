@@ -41,6 +41,7 @@ class SteelCoupons(DatasetSource):
     summary: ClassVar[str] = "recorded: true stress and strain of steel, constant and variable amplitude; hardens"
     kind: ClassVar[str] = "recorded"
     licence: ClassVar[str] = "MIT"
+    extended: ClassVar[bool] = True
 
     def recordings(self) -> dict[str, Recording]:
         """Every published test, sample by sample.

@@ -47,6 +47,7 @@ class TimberWalls(DatasetSource):
     summary: ClassVar[str] = "recorded: perforated-plate connection of a timber wall; pinches and softens"
     kind: ClassVar[str] = "recorded"
     licence: ClassVar[str] = "Apache-2.0"
+    extended: ClassVar[bool] = True
 
     def recordings(self) -> dict[str, Recording]:
         """Both published tests, sample by sample; the wall's units are not stated.
