@@ -1,0 +1,1 @@
+"""The two source papers, regenerated and audited: ``hystbench paper``."""
