@@ -1,0 +1,1 @@
+"""The blind check: recordings whose cause is sealed, diagnosed, then scored."""

@@ -1,0 +1,488 @@
+"""Plants for the blind check. They share neither code nor functional form with the registry of effects.
+
+A plant is a joint torque as a function of the true motion. Its effects follow other laws than the registry's
+candidates wherever another law is physical: Carreau instead of power-law viscosity, Jenkins elements instead of
+exponential presliding, a Lorentzian Stribeck curve, a spectrum of relaxation times, a heat balance, hyperbolic wear,
+an encoder that errs as a function of the true angle, rounded stops and limits.
+
+Two development plants (parallel slip elements; a Bouc-Wen ODE) and two test plants (an asymmetric, position-dependent
+slip plant with a hardening spring; a MuJoCo joint, in :mod:`mujoco_plant`) keep tuning and reporting apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+__all__ = ["EFFECTS", "OUTSIDE", "PLANTS", "Case", "Made", "make"]
+
+Floats = NDArray[np.float64]
+
+
+@njit(cache=True)
+def _slip(x, stiffness, slide, out):
+    """Parallel Jenkins elements: spring and slider in series; total force at each sample."""
+    force = np.zeros(stiffness.size)
+    last = 0.0
+    for i in range(x.size):
+        moved = x[i] - last
+        last = x[i]
+        total = 0.0
+        for j in range(force.size):
+            f = force[j] + stiffness[j] * moved
+            limit = slide[j]
+            force[j] = limit if f > limit else (-limit if f < -limit else f)
+            total += force[j]
+        out[i] = total
+
+
+@njit(cache=True)
+def _bouc_wen(x, stiffness, strength, sharpness, out):
+    """Normalised Bouc-Wen, dz/dx = stiffness (1 − |z/strength|^n sgn(z dx)), by substeps along the path."""
+    z = 0.0
+    last = 0.0
+    for i in range(x.size):
+        moved = x[i] - last
+        last = x[i]
+        steps = 1 + int(abs(moved) * stiffness / (0.02 * strength))
+        h = moved / steps
+        for _ in range(steps):
+            s = 1.0 if z * h > 0.0 else -1.0
+            slope = stiffness * (1.0 - s * abs(z / strength) ** sharpness)
+            middle = z + 0.5 * h * slope
+            s = 1.0 if middle * h > 0.0 else -1.0
+            z += h * stiffness * (1.0 - s * abs(middle / strength) ** sharpness)
+        out[i] = z
+
+
+@dataclass(frozen=True)
+class Case:
+    """What a blind recording is made of. Everything random follows from ``seed``."""
+
+    plant: str
+    effects: tuple[str, ...]
+    ratio: float
+    """RMS of each effect's gap over the torque noise."""
+    base_error: float
+    """Relative error of the simulator's parameters (standard deviation)."""
+    motion: str
+    seed: int
+    excluded: tuple[str, ...] = ()
+    other_form: bool = True
+
+
+@dataclass(frozen=True)
+class Made:
+    """A recording, the simulator's output, and what only the scorer may see."""
+
+    time: Floats
+    x: Floats
+    y_real: Floats
+    y_sim: Floats
+    noise: float
+    oracle_closed: float
+    contributions: dict[str, Floats] = field(default_factory=dict)
+
+
+# ---- base plants ----------------------------------------------------------------------------------------------------
+
+
+def _distribution(rng: np.random.Generator, elements: int, force: float, reach: float, spread: float) -> tuple[Floats, Floats]:
+    """Stiffness and sliding force of parallel elements whose yield deflections are spread evenly in logarithm."""
+    yields = np.geomspace(0.01 * reach, spread * reach, elements)
+    share = np.exp(-0.5 * (np.log(yields / (0.12 * reach)) / 1.1) ** 2)
+    slide = force * share / share.sum()
+    return slide / yields, slide
+
+
+@dataclass(frozen=True)
+class _Base:
+    """A base plant: real and simulated joint of one random design."""
+
+    reach: float
+    real: Callable[[Floats], Floats]
+    simulated: Callable[[Floats], Floats]
+
+
+def _off(rng: np.random.Generator, error: float, size: int | None = None) -> Any:
+    return 1.0 + error * rng.standard_normal(size)
+
+
+def _slip_plant(rng: np.random.Generator, error: float) -> _Base:
+    reach = rng.uniform(0.6, 1.2)
+    stiffness, cubic, force = rng.uniform(3.0, 7.0), rng.uniform(0.0, 2.0), rng.uniform(0.5, 1.2)
+    k60, f60 = _distribution(rng, 60, force, reach, 0.7)
+    k19, f19 = _distribution(rng, 19, force, reach, 0.7)
+    a, b, c = _off(rng, error), _off(rng, error), _off(rng, error)
+    each, limit = _off(rng, error, 19), _off(rng, error, 19)
+
+    def real(x: Floats) -> Floats:
+        out = np.empty_like(x)
+        _slip(x, k60, f60, out)
+        return out + stiffness * x + cubic * x**3
+
+    def simulated(x: Floats) -> Floats:
+        out = np.empty_like(x)
+        _slip(x, k19 * c * each, f19 * c * limit, out)
+        return out + stiffness * a * x + cubic * b * x**3
+
+    return _Base(reach, real, simulated)
+
+
+def _bouc_wen_plant(rng: np.random.Generator, error: float) -> _Base:
+    reach = rng.uniform(0.5, 1.0)
+    stiffness, cubic = rng.uniform(3.0, 8.0), rng.uniform(-0.5, 3.0)
+    steep, strength, sharp = rng.uniform(6.0, 15.0), rng.uniform(0.4, 1.0), rng.uniform(1.0, 1.8)
+    a, b, c, d = (_off(rng, error) for _ in range(4))
+
+    def run(x: Floats, p: tuple[float, ...]) -> Floats:
+        out = np.empty_like(x)
+        _bouc_wen(x, p[2], p[3], sharp, out)
+        return out + p[0] * x + p[1] * x**3
+
+    return _Base(
+        reach,
+        lambda x: run(x, (stiffness, cubic, steep, strength)),
+        lambda x: run(x, (stiffness * a, cubic * b, steep * c, strength * d)),
+    )
+
+
+def _asymmetric_plant(rng: np.random.Generator, error: float) -> _Base:
+    """Friction grows with |x| and the spring hardens differently up and down (a belt over pulleys)."""
+    reach = rng.uniform(0.7, 1.1)
+    stiffness, up, down = rng.uniform(3.0, 6.0), rng.uniform(0.5, 2.0), rng.uniform(0.5, 2.0)
+    force, place = rng.uniform(0.4, 0.9), rng.uniform(0.2, 0.6)
+    k40, f40 = _distribution(rng, 40, 1.0, reach, 0.5)
+    k15, f15 = _distribution(rng, 15, 1.0, reach, 0.5)
+    a, b, c, d, e = (_off(rng, error) for _ in range(5))
+    limit = _off(rng, error, 15)
+
+    def run(x: Floats, k: Floats, f: Floats, p: tuple[float, ...]) -> Floats:
+        out = np.empty_like(x)
+        _slip(x, k, f, out)
+        spring = p[0] * x + p[1] * np.maximum(x, 0.0) ** 3 - p[2] * np.maximum(-x, 0.0) ** 3
+        return spring + p[3] * (1.0 + p[4] * (x / reach) ** 2) * out
+
+    return _Base(
+        reach,
+        lambda x: run(x, k40, f40, (stiffness, up, down, force, place)),
+        lambda x: run(x, k15, f15 * limit, (stiffness * a, up * b, down * c, force * d, place * e)),
+    )
+
+
+PLANTS: dict[str, Callable[[np.random.Generator, float], _Base]] = {
+    "slip": _slip_plant,
+    "bouc-wen": _bouc_wen_plant,
+    "asymmetric": _asymmetric_plant,
+}
+
+
+# ---- motions --------------------------------------------------------------------------------------------------------
+
+
+def _rich(rng: np.random.Generator, reach: float, seconds: float, rate: float) -> tuple[Floats, Floats]:
+    """Bursts of sines of many amplitudes and rates, ramps and holds; smooth, zero at both ends."""
+    time = np.arange(int(seconds * rate)) / rate
+    knots, values = [0.0], [0.0]
+    at = 0.0
+    while at < seconds:
+        kind = rng.choice(["sine", "hold", "ramp"], p=[0.6, 0.2, 0.2])
+        amplitude = reach * rng.choice([1.0, 0.8, 0.6, 0.4, 0.25], p=[0.3, 0.2, 0.2, 0.15, 0.15])
+        if kind == "sine":
+            period = 1.0 / rng.choice([0.3, 0.5, 0.8, 1.2, 2.0])
+            for k in range(int(rng.integers(2, 5))):
+                at += 0.5 * period
+                knots.append(at)
+                values.append(amplitude * (1.0 if k % 2 == 0 else -1.0) * rng.uniform(0.85, 1.0))
+        elif kind == "ramp":
+            at += rng.uniform(0.8, 3.0)
+            knots.append(at)
+            values.append(amplitude * rng.choice([-1.0, 1.0]))
+        else:
+            at += rng.uniform(0.5, 2.0)
+            knots.append(at)
+            values.append(values[-1])
+    from scipy.interpolate import PchipInterpolator
+
+    return time, PchipInterpolator(knots, values)(time)
+
+
+def _sweeps(rng: np.random.Generator, reach: float, seconds: float, rate: float) -> tuple[Floats, Floats]:
+    """Two chirps and a sum of incommensurate sines under a slow envelope."""
+    time = np.arange(int(seconds * rate)) / rate
+    u = time / seconds
+    chirp = np.sin(2.0 * np.pi * (0.15 * time + 0.5 * (rng.uniform(1.0, 2.0) - 0.15) / seconds * time**2))
+    sum_of = sum(np.sin(2.0 * np.pi * f * time + p) for f, p in zip(rng.uniform(0.1, 1.3, 4), rng.uniform(0.0, 6.28, 4), strict=True)) / 2.2
+    envelope = 0.35 + 0.65 * np.sin(np.pi * rng.uniform(2.0, 3.5) * u + 0.3) ** 2
+    blend = 0.5 - 0.5 * np.cos(np.pi * np.clip((u - 0.46) / 0.08, 0.0, 1.0))
+    start = 0.5 - 0.5 * np.cos(np.pi * np.clip(time / 0.8, 0.0, 1.0))
+    x = envelope * start * ((1.0 - blend) * chirp + blend * sum_of)
+    return time, reach * x / np.max(np.abs(x))
+
+
+def _one_sine(rng: np.random.Generator, reach: float, seconds: float, rate: float) -> tuple[Floats, Floats]:
+    time = np.arange(int(seconds * rate)) / rate
+    return time, reach * np.sin(2.0 * np.pi * 0.5 * time)
+
+
+MOTIONS = {"rich": _rich, "sweeps": _sweeps, "one sine": _one_sine}
+
+
+# ---- effects of the plants ------------------------------------------------------------------------------------------
+
+
+@dataclass
+class _Joint:
+    """The state while a real torque is put together; each effect changes it by a size ``a`` (1 is typical)."""
+
+    time: Floats
+    x: Floats
+    base: _Base
+    driven: Floats
+    """Input of the base plant."""
+    torque: Floats
+    measured: Floats
+    speed: Floats = field(init=False)
+    scale: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.speed = np.gradient(self.x, self.time)
+        self.scale = float(np.std(self.torque))
+
+
+def _jenkins_sign(x: Floats, length: float) -> Floats:
+    out = np.empty_like(x)
+    _slip(x - x[0], np.array([1.0 / length]), np.array([1.0]), out)
+    return out
+
+
+def _viscous(j: _Joint, a: float, rng: np.random.Generator) -> None:
+    typical = np.std(j.speed)
+    j.torque = j.torque + a * 0.1 * j.scale * (j.speed / typical) * (1.0 + (j.speed / (3.0 * typical)) ** 2) ** -0.1
+
+
+def _coulomb(j: _Joint, a: float, rng: np.random.Generator) -> None:
+    j.torque = j.torque + a * 0.1 * j.scale * _jenkins_sign(j.x, rng.uniform(0.004, 0.02) * j.base.reach)
+
+
+def _stribeck(j: _Joint, a: float, rng: np.random.Generator) -> None:
+    slow = rng.uniform(0.1, 0.3) * np.std(j.speed)
+    curve = 0.5 + rng.uniform(0.8, 1.5) / (1.0 + (j.speed / slow) ** 2)
+    j.torque = j.torque + a * 0.1 * j.scale * curve * _jenkins_sign(j.x, 0.006 * j.base.reach)
+
+
+def _load_friction(j: _Joint, a: float, rng: np.random.Generator) -> None:
+    load = np.sqrt(j.torque**2 + (0.03 * j.scale) ** 2)
+    j.torque = j.torque + a * 0.1 * load * _jenkins_sign(j.x, rng.uniform(0.006, 0.03) * j.base.reach)
+
+
+def _relaxation(j: _Joint, a: float, rng: np.random.Generator) -> None:
+    """Three Maxwell branches half a decade apart, stepped implicitly."""
+    first = rng.uniform(0.2, 1.0)
+    dt = np.diff(j.time, prepend=j.time[0] - (j.time[1] - j.time[0]))
+    moved = np.diff(j.x, prepend=0.0)
+    total = np.zeros_like(j.x)
+    for tau, share in zip(first * np.array([1.0, 3.0, 9.0]), (0.4, 0.35, 0.25), strict=True):
+        force = 0.0
+        branch = np.empty_like(j.x)
+        for i in range(j.x.size):
+            force = (force + moved[i]) / (1.0 + dt[i] / tau)
+            branch[i] = force
+        total += share * branch
+    j.torque = j.torque + a * 0.2 * j.scale / j.base.reach * total
+
+
+def _thermal(j: _Joint, a: float, rng: np.random.Generator) -> None:
+    """Heat balance: losses in proportion to |torque · speed| against cooling; the zero follows the temperature."""
+    power = np.abs(j.torque * j.speed) + 0.3 * np.mean(np.abs(j.torque * j.speed))
+    tau = rng.uniform(0.2, 0.8) * j.time[-1]
+    temperature = np.empty_like(j.x)
+    t = 0.0
+    dt = j.time[1] - j.time[0]
+    for i in range(j.x.size):
+        t += dt * (power[i] - t) / tau
+        temperature[i] = t
+    temperature /= np.std(temperature)
+    j.torque = j.torque + a * 0.1 * j.scale * temperature
+
+
+def _softening(j: _Joint, a: float, rng: np.random.Generator) -> None:
+    travel = np.cumsum(np.abs(np.diff(j.x, prepend=j.x[0])))
+    constant = rng.uniform(0.1, 0.5) * travel[-1]
+    j.torque = j.torque * (1.0 - min(a * 0.2, 0.9) * travel / (constant + travel))
+
+
+def _offset(j: _Joint, a: float, rng: np.random.Generator) -> None:
+    j.torque = j.torque + a * 0.1 * j.scale * rng.choice([-1.0, 1.0])
+
+
+def _gain(j: _Joint, a: float, rng: np.random.Generator) -> None:
+    j.torque = j.torque * (1.0 + a * 0.1 * rng.choice([-1.0, 1.0]))
+
+
+def _delay(j: _Joint, a: float, rng: np.random.Generator) -> None:
+    from scipy.interpolate import CubicSpline
+
+    late = a * 0.02
+    spline = CubicSpline(j.time, j.torque)
+    j.torque = spline(np.clip(j.time - late, j.time[0], None))
+
+
+def _backlash(j: _Joint, a: float, rng: np.random.Generator) -> None:
+    half = 0.5 * a * 0.05 * j.base.reach
+    follower = np.empty_like(j.x)
+    at = 0.0
+    for i in range(j.x.size):
+        if j.x[i] - at > half:
+            at = j.x[i] - half
+        elif at - j.x[i] > half:
+            at = j.x[i] + half
+        follower[i] = at
+    j.torque = j.torque + j.base.real(follower) - j.base.real(j.x)
+
+
+def _stop(j: _Joint, a: float, rng: np.random.Generator) -> None:
+    depth = np.maximum(j.x * rng.choice([-1.0, 1.0]) - rng.uniform(0.7, 0.88) * j.base.reach, 0.0)
+    sign = 1.0 if np.dot(depth, j.x) > 0.0 else -1.0
+    soft = 0.02 * j.base.reach
+    j.torque = j.torque + sign * a * 5.0 * j.scale / j.base.reach * (np.sqrt(depth**2 + soft**2) - soft)
+
+
+def _inertia(j: _Joint, a: float, rng: np.random.Generator) -> None:
+    from scipy.interpolate import CubicSpline
+
+    acceleration = CubicSpline(j.time, j.x)(j.time, 2)
+    j.torque = j.torque + a * 0.1 * j.scale * acceleration / np.std(acceleration)
+
+
+def _eccentric(j: _Joint, a: float, rng: np.random.Generator) -> None:
+    n = rng.uniform(3.0, 9.0) * np.pi / j.base.reach / 2.0
+    phase = rng.uniform(0.0, 6.28)
+    error = np.sin(n * j.x + phase) + 0.1 * np.sin(2.0 * n * j.x)
+    j.measured = j.measured + a * 0.02 * j.base.reach * error
+
+
+def _deflection(j: _Joint, a: float, rng: np.random.Generator) -> None:
+    j.measured = j.measured + a * 0.03 * j.base.reach * rng.choice([-1.0, 1.0])
+
+
+def _asymmetry(j: _Joint, a: float, rng: np.random.Generator) -> None:
+    side = rng.choice([-1.0, 1.0])
+    soft = 0.03 * j.base.reach
+    j.torque = j.torque + side * a * 0.2 * j.scale / j.base.reach * soft * np.logaddexp(0.0, side * j.x / soft)
+
+
+def _saturation(j: _Joint, a: float, rng: np.random.Generator) -> None:
+    # A larger size means a lower limit.
+    limit = np.max(np.abs(j.torque)) / (1.0 + 0.25 * a)
+    j.torque = j.torque / (1.0 + np.abs(j.torque / limit) ** 12) ** (1.0 / 12.0)
+
+
+EFFECTS: dict[str, Callable[[_Joint, float, np.random.Generator], None]] = {
+    "viscous_friction": _viscous,
+    "coulomb_friction": _coulomb,
+    "stribeck_friction": _stribeck,
+    "load_dependent_friction": _load_friction,
+    "stress_relaxation": _relaxation,
+    "thermal_drift": _thermal,
+    "cyclic_softening": _softening,
+    "torque_offset": _offset,
+    "torque_gain": _gain,
+    "sensor_delay": _delay,
+    "backlash": _backlash,
+    "end_stop": _stop,
+    "inertia": _inertia,
+    "encoder_eccentricity": _eccentric,
+    "deflection_offset": _deflection,
+    "stiffness_asymmetry": _asymmetry,
+    "torque_saturation": _saturation,
+}
+"""In the registry's ids."""
+
+
+def _hum(j: _Joint, a: float, rng: np.random.Generator) -> None:
+    j.torque = j.torque + a * 0.1 * j.scale * np.sin(2.0 * np.pi * rng.uniform(2.0, 6.0) * j.time + rng.uniform(0.0, 6.28))
+
+
+def _wandering(j: _Joint, a: float, rng: np.random.Generator) -> None:
+    """A load that wanders at random (Ornstein-Uhlenbeck, 0.3 s)."""
+    noise = rng.standard_normal(j.x.size)
+    keep = np.exp(-(j.time[1] - j.time[0]) / 0.3)
+    state, out = 0.0, np.empty_like(j.x)
+    for i in range(j.x.size):
+        state = keep * state + np.sqrt(1.0 - keep * keep) * noise[i]
+        out[i] = state
+    j.torque = j.torque + a * 0.1 * j.scale * out
+
+
+def _jumps(j: _Joint, a: float, rng: np.random.Generator) -> None:
+    """A sensor whose zero jumps."""
+    edges = np.sort(rng.uniform(0.0, j.time[-1], 9))
+    levels = rng.standard_normal(10)
+    j.torque = j.torque + a * 0.1 * j.scale * levels[np.searchsorted(edges, j.time)]
+
+
+def _detent(j: _Joint, a: float, rng: np.random.Generator) -> None:
+    """A friction bump at one place."""
+    place = rng.uniform(-0.4, 0.4) * j.base.reach
+    bump = np.exp(-(((j.x - place) / (0.06 * j.base.reach)) ** 2))
+    j.torque = j.torque + a * 0.3 * j.scale * bump * _jenkins_sign(j.x, 0.01 * j.base.reach)
+
+
+OUTSIDE: dict[str, Callable[[_Joint, float, np.random.Generator], None]] = {
+    "hum": _hum, "wandering load": _wandering, "zero jumps": _jumps, "local friction": _detent,
+}  # fmt: skip
+"""Effects that no entry of the registry describes."""
+
+
+def make(case: Case, seconds: float = 45.0, rate: float = 100.0) -> Made:
+    """Make the recording of ``case``.
+
+    The noise is fixed and each effect's size is found such that its own gap has ``ratio`` times the noise's RMS.
+    """
+    design, moving, shaping, sensing = (np.random.default_rng([case.seed, k]) for k in range(4))
+    base = PLANTS[case.plant](design, case.base_error)
+    time, x = MOTIONS[case.motion](moving, base.reach, seconds, rate)
+    clean = base.real(x)
+    noise = 0.004 * float(np.std(clean))
+    all_effects = {**EFFECTS, **OUTSIDE}
+    seeds = {name: int(shaping.integers(2**31)) for name in case.effects}
+
+    def joint(sizes: dict[str, float]) -> tuple[Floats, Floats]:
+        state = _Joint(time, x, base, x, base.real(x), x.copy())
+        # Load and base first, sensors last.
+        for name in sorted(sizes, key=lambda n: n in ("torque_gain", "torque_offset", "sensor_delay", "torque_saturation")):
+            all_effects[name](state, sizes[name], np.random.default_rng(seeds[name]))
+        return state.measured, state.torque
+
+    def gap_of(name: str, size: float) -> float:
+        measured, torque = joint({name: size})
+        return float(np.sqrt(np.mean(np.square(torque - base.real(measured)))))
+
+    sizes = {}
+    for name in case.effects:
+        wanted, low, high = case.ratio * noise, 1e-4, 60.0
+        for _ in range(30):
+            middle = np.sqrt(low * high)
+            low, high = (middle, high) if gap_of(name, middle) < wanted else (low, middle)
+        sizes[name] = float(np.sqrt(low * high))
+    measured, torque = joint(sizes)
+    x_noise = 1e-4 * base.reach * sensing.standard_normal(x.size)
+    x_seen = measured + x_noise
+    y_real = torque + noise * sensing.standard_normal(x.size)
+    y_sim = base.simulated(x_seen)
+    # The oracle adds the true effect to the very simulator that is given.
+    truth = torque - base.real(measured)
+    gap = y_real - y_sim
+    floor = noise**2
+    oracle = 1.0 - (np.mean(np.square(gap - truth)) - floor) / max(np.mean(np.square(gap)) - floor, 1e-300)
+    contributions = {}
+    for name in case.effects:
+        m, t = joint({name: sizes[name]})
+        contributions[name] = t - base.real(m)
+    return Made(time, x_seen, y_real, y_sim, noise, float(oracle), contributions)

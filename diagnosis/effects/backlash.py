@@ -1,0 +1,45 @@
+"""Lost motion in the drive."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from ..operators import plays
+from .base import INPUT, Effect, Floats, Form, Parameter, Scene, geometric
+
+__all__ = ["Backlash"]
+
+
+def _play(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    s = scene.signals
+    width = np.array([0.5 * shape[0]])
+    return scene.torque_change(s.per_run(lambda run: plays(s.x[run], width)[:, 0]))[:, None]
+
+
+def _gap(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    x, half = scene.signals.x, 0.5 * shape[0]
+    return scene.torque_change(x - np.clip(x, -half, half))[:, None]
+
+
+class Backlash(Effect):
+    """Clearance: after a turn the input moves a way before the load follows."""
+
+    id: ClassVar[str] = "backlash"
+    title: ClassVar[str] = "backlash"
+    summary: ClassVar[str] = "clearance that must be crossed after a turn, or around zero torque, before torque builds up"
+    equation: ClassVar[str] = "x → play(x; b/2), or x → x − clip(x, ±b/2)"
+    coordinate: ClassVar[str] = "distance_since_reversal"
+    acts_on: ClassVar[str] = INPUT
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("clearance", "rad", 0.0, np.inf, "total width b"),)
+    confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "sensor_delay", "miscalibration")
+
+    def forms(self, scene: Scene) -> list[Form]:
+        reach = scene.signals.reach
+        grid = [(b,) for b in geometric(0.0015 * reach, 0.5 * reach, 13)]
+        limits = [(5e-4 * reach, reach)]
+        return [
+            Form("lost motion at turns", ("_unit",), _play, (1.0,), (1.0,), ("clearance",), grid, limits),
+            Form("gap around zero", ("_unit",), _gap, (1.0,), (1.0,), ("clearance",), grid, limits),
+        ]

@@ -1,0 +1,137 @@
+"""What an effect is: what it says, and which signals it would leave in a gap.
+
+An effect offers one or more *forms* of its law. A form gives, for values of its shape parameters, columns that enter
+the gap linearly. So a fit is a small bounded least-squares problem inside a search over shapes (variable projection:
+Golub & Pereyra, Inverse Problems 19, 2003).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..signals import Signals
+
+__all__ = ["INPUT", "PRESLIDING", "SENSOR", "TORQUE", "DirectionLaw", "Effect", "Form", "Parameter", "Scene", "direction_laws", "geometric"]
+
+Floats = NDArray[np.float64]
+INPUT, TORQUE, SENSOR = "input", "torque", "sensor"
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of an effect: unit, bounds and meaning."""
+
+    name: str
+    unit: str
+    lower: float
+    upper: float
+    meaning: str
+
+
+class Scene(Protocol):
+    """What an effect may look at."""
+
+    signals: Signals
+    torque: Floats
+    """The simulator's output, N·m, shape (n,), with the effects that act before this one."""
+
+    def torque_change(self, x: Floats) -> Floats:
+        """How the simulator's output would change if its input were ``x`` instead, N·m, shape (n,)."""
+        ...
+
+
+@dataclass(frozen=True)
+class Form:
+    """One law of an effect.
+
+    Attributes
+    ----------
+    name : str
+    coefficients : sequence of str
+        Names of the linear parameters, one a column.
+    lower, upper : sequence of float
+        Their bounds; equal bounds fix a coefficient.
+    shapes : sequence of str
+        Names of the shape parameters.
+    grid : sequence of tuple of float
+        Starting values of the shapes; ``[()]`` if there are none.
+    limits : sequence of (float, float)
+        Bounds of each shape during refinement.
+    columns : callable
+        ``columns(scene, shape) -> (n, k)``.
+    """
+
+    name: str
+    coefficients: Sequence[str]
+    columns: Callable[[Scene, tuple[float, ...]], Floats]
+    lower: Sequence[float]
+    upper: Sequence[float]
+    shapes: Sequence[str] = ()
+    grid: Sequence[tuple[float, ...]] = ((),)
+    limits: Sequence[tuple[float, float]] = ()
+
+
+class Effect:
+    """Base class of effect plug-ins (entry-point group ``hystbench.effects``)."""
+
+    id: ClassVar[str]
+    title: ClassVar[str]
+    summary: ClassVar[str]
+    equation: ClassVar[str]
+    coordinate: ClassVar[str]
+    """Where it shows first; one of CONTRACT's coordinates."""
+    acts_on: ClassVar[str] = TORQUE
+    """``"input"`` (before the simulator), ``"torque"`` (beside it) or ``"sensor"`` (after everything)."""
+    parameters: ClassVar[tuple[Parameter, ...]]
+    confused_with: ClassVar[tuple[str, ...]] = ()
+    contains: ClassVar[tuple[str, ...]] = ()
+    """Simpler effects that are special cases: where they do nearly as well, they are named instead."""
+
+    def forms(self, scene: Scene) -> list[Form]:
+        """The laws that this recording allows to fit (none, if it cannot show the effect at all)."""
+        raise TypeError(f"{type(self).__name__} does not define forms")
+
+
+def geometric(low: float, high: float, count: int) -> list[float]:
+    """``count`` values from ``low`` to ``high`` in equal ratios; none if the range is empty."""
+    return np.geomspace(low, high, count).tolist() if 0.0 < low <= high else []
+
+
+@dataclass(frozen=True)
+class DirectionLaw:
+    """How dry friction takes the direction of motion: a signal within ±1 with one shape parameter."""
+
+    name: str
+    parameter: str
+    signal: Callable[[Signals, float], Floats]
+    grid: Sequence[float]
+    limits: tuple[float, float]
+
+
+def direction_laws(scene: Scene) -> list[DirectionLaw]:
+    """The usual regularisations of sgn(v): presliding, exponential or elastic, and a steep function of speed."""
+    signals = scene.signals
+    reach, fast = signals.reach, float(np.sqrt(np.mean(np.square(signals.speed))))
+    lengths = [0.002 * reach, 0.012 * reach, 0.06 * reach]
+    distances = (5e-4 * reach, 0.3 * reach)
+    return [
+        DirectionLaw("presliding", "presliding", Signals.bristle, lengths, distances),
+        DirectionLaw("elastic presliding", "elastic_presliding", Signals.slipping, lengths, distances),
+        DirectionLaw(
+            "regularised", "transition_speed", lambda s, w: np.tanh(s.speed / w), [0.01 * fast, 0.06 * fast],
+            (0.002 * fast, 0.3 * fast),
+        ),
+    ]  # fmt: skip
+
+
+PRESLIDING = (
+    Parameter("presliding", "rad", 0.0, np.inf, "distance over which friction builds up after a turn (Dahl)"),
+    Parameter("elastic_presliding", "rad", 0.0, np.inf, "elastic deflection before it slides (spring and slider)"),
+    Parameter("transition_speed", "rad/s", 0.0, np.inf, "speed at which the regularised sign saturates"),
+)
+"""Parameters of the direction laws; a fit has the one of its law."""

@@ -1,0 +1,41 @@
+"""Torque that falls with the work done."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from .base import Effect, Floats, Form, Parameter, Scene, geometric
+
+__all__ = ["CyclicSoftening"]
+
+
+def _columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    travel = scene.signals.travel
+    worn = 1.0 - np.exp(-travel / shape[0]) if shape else travel / max(float(travel.max()), 1e-300)
+    return (-worn * scene.torque)[:, None]
+
+
+class CyclicSoftening(Effect):
+    """The Mullins effect of rubber, wear or damage: each cycle takes a little of the torque."""
+
+    id: ClassVar[str] = "cyclic_softening"
+    title: ClassVar[str] = "cyclic softening"
+    summary: ClassVar[str] = "torque that falls with accumulated travel (Mullins effect, wear, damage)"
+    equation: ClassVar[str] = "y −= a w y_sim,  w = 1 − exp(−travel/L) or travel/total travel"
+    coordinate: ClassVar[str] = "travel"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("softening", "1", 0.0, 1.0, "relative loss (at the end, or in the limit)"),
+        Parameter("travel_constant", "rad", 0.0, np.inf, "travel after which 63 % of the loss has come"),
+    )
+    confused_with: ClassVar[tuple[str, ...]] = ("thermal_drift", "torque_gain")
+
+    def forms(self, scene: Scene) -> list[Form]:
+        total = float(scene.signals.travel.max())
+        lengths = [(t,) for t in geometric(0.02 * total, 1.5 * total, 7)]
+        return [
+            Form("linear", ("softening",), _columns, (0.0,), (1.0,)),
+            Form("exponential", ("softening",), _columns, (0.0,), (1.0,), ("travel_constant",), lengths,
+                 [(0.005 * total, 3.0 * total)]),
+        ]  # fmt: skip

@@ -1,0 +1,35 @@
+"""A deflection sensor whose zero is off."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from .base import INPUT, Effect, Floats, Form, Parameter, Scene
+
+__all__ = ["DeflectionOffset"]
+
+
+def _columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return scene.torque_change(scene.signals.x + shape[0])[:, None]
+
+
+class DeflectionOffset(Effect):
+    """The zero of the encoder, or a preload angle, is not where the simulator has it."""
+
+    id: ClassVar[str] = "deflection_offset"
+    title: ClassVar[str] = "deflection offset"
+    summary: ClassVar[str] = "constant error of the deflection (encoder zero, preload angle)"
+    equation: ClassVar[str] = "x → x + d"
+    coordinate: ClassVar[str] = "position"
+    acts_on: ClassVar[str] = INPUT
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("offset", "rad", -1.0, 1.0, "d"),)
+    confused_with: ClassVar[tuple[str, ...]] = ("torque_offset", "stiffness_asymmetry")
+
+    def forms(self, scene: Scene) -> list[Form]:
+        reach = scene.signals.reach
+        made = []
+        for sign, told in ((1.0, "positive"), (-1.0, "negative")):
+            grid = [(sign * f * reach,) for f in (0.0015, 0.004, 0.01, 0.025, 0.06, 0.15)]
+            near, far = sign * 3e-4 * reach, sign * 0.3 * reach
+            made.append(Form(told, ("_unit",), _columns, (1.0,), (1.0,), ("offset",), grid, [(min(near, far), max(near, far))]))
+        return made

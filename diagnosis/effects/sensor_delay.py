@@ -1,0 +1,43 @@
+"""One sensor later than the other."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from .base import SENSOR, Effect, Floats, Form, Parameter, Scene
+
+__all__ = ["SensorDelay"]
+
+
+def _delay(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return (scene.signals.delayed(scene.torque, shape[0]) - scene.torque)[:, None]
+
+
+def _lag(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return (scene.signals.lowpass(scene.torque, shape[0]) - scene.torque)[:, None]
+
+
+class SensorDelay(Effect):
+    """Torque is recorded later than deflection (positive) or earlier (negative: the encoder is late)."""
+
+    id: ClassVar[str] = "sensor_delay"
+    title: ClassVar[str] = "sensor delay"
+    summary: ClassVar[str] = "torque and deflection recorded at different times (bus, filter, sampling)"
+    equation: ClassVar[str] = "y(t) = y_sim(t − τ), or τ dy/dt = y_sim − y"
+    coordinate: ClassVar[str] = "speed"
+    acts_on: ClassVar[str] = SENSOR
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("delay", "s", -1.0, 1.0, "positive: torque late; negative: deflection late"),
+        Parameter("lag", "s", 0.0, 1.0, "time constant of a first-order filter on the torque"),
+    )
+    confused_with: ClassVar[tuple[str, ...]] = ("viscous_friction", "stress_relaxation", "backlash")
+
+    def forms(self, scene: Scene) -> list[Form]:
+        step = scene.signals.interval
+        grid = [k * step for k in (0.1, 0.25, 0.6, 1.2, 2.5, 5.0, 9.0, 16.0)]
+        high = 25.0 * step
+        return [
+            Form("late", ("_unit",), _delay, (1.0,), (1.0,), ("delay",), [(t,) for t in grid], [(0.02 * step, high)]),
+            Form("early", ("_unit",), _delay, (1.0,), (1.0,), ("delay",), [(-t,) for t in grid], [(-high, -0.02 * step)]),
+            Form("filter", ("_unit",), _lag, (1.0,), (1.0,), ("lag",), [(t,) for t in grid], [(0.02 * step, high)]),
+        ]

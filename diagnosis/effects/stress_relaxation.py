@@ -1,0 +1,53 @@
+"""Viscoelastic relaxation: Maxwell branches beside the simulator."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from .base import Effect, Floats, Form, Parameter, Scene, geometric
+
+__all__ = ["StressRelaxation"]
+
+
+def _of_deflection(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    x = scene.signals.smooth_x
+    return np.column_stack([x - scene.signals.lowpass(x, tau) for tau in shape])
+
+
+def _of_torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return (scene.torque - scene.signals.lowpass(scene.torque, shape[0]))[:, None]
+
+
+class StressRelaxation(Effect):
+    """Torque that decays while the deflection is held (rubber, polymer belts, tendons)."""
+
+    id: ClassVar[str] = "stress_relaxation"
+    title: ClassVar[str] = "stress relaxation"
+    summary: ClassVar[str] = "torque that decays during a hold and rises with rate (viscoelastic Maxwell branch)"
+    equation: ClassVar[str] = "y += Σ k_i (x − L_i),  τ_i dL_i/dt = x − L_i   (or with y_sim in place of k x)"
+    coordinate: ClassVar[str] = "time"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("stiffness", "N·m/rad", 0.0, np.inf, "of the (first) Maxwell branch"),
+        Parameter("stiffness_2", "N·m/rad", 0.0, np.inf, "of the second branch"),
+        Parameter("share", "1", 0.0, np.inf, "part of the simulator's torque that relaxes"),
+        Parameter("time_constant", "s", 0.0, np.inf, "of the (first) branch"),
+        Parameter("time_constant_2", "s", 0.0, np.inf, "of the second branch"),
+    )
+    confused_with: ClassVar[tuple[str, ...]] = ("viscous_friction", "sensor_delay", "miscalibration")
+
+    def forms(self, scene: Scene) -> list[Form]:
+        s = scene.signals
+        span = max(float(s.elapsed[run.stop - 1]) for run in s.runs)
+        low, high = 4.0 * s.interval, 0.5 * span
+        times = geometric(max(low, span / 1500.0), high, 10)
+        free = (0.0,), (np.inf,)
+        limits = (low, 2.0 * high)
+        pairs = [(a, b) for a in times[::2] for b in times[1::2] if b > 4.0 * a]
+        return [
+            Form("one branch", ("stiffness",), _of_deflection, *free, ("time_constant",), [(t,) for t in times], [limits]),
+            Form("of the torque", ("share",), _of_torque, *free, ("time_constant",), [(t,) for t in times], [limits]),
+            Form("two branches", ("stiffness", "stiffness_2"), _of_deflection, (0.0, 0.0), (np.inf, np.inf),
+                 ("time_constant", "time_constant_2"), pairs, [limits, limits]),
+        ]  # fmt: skip

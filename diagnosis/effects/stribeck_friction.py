@@ -1,0 +1,60 @@
+"""Dry friction that is larger at low speed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import ClassVar
+
+import numpy as np
+
+from .base import PRESLIDING, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws
+
+__all__ = ["StribeckFriction"]
+
+
+def _gaussian(ratio: Floats) -> Floats:
+    return np.exp(-(ratio**2))
+
+
+def _exponential(ratio: Floats) -> Floats:
+    return np.exp(-ratio)
+
+
+CURVES = (("p = 2", _gaussian), ("p = 1", _exponential))
+
+
+def _columns(law: DirectionLaw, curve: Callable[[Floats], Floats]) -> Callable[[Scene, tuple[float, ...]], Floats]:
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        sign = law.signal(scene.signals, shape[1])
+        return np.column_stack([sign, curve(np.abs(scene.signals.speed) / shape[0]) * sign])
+
+    return columns
+
+
+class StribeckFriction(Effect):
+    """Boundary lubrication at low speed gives way to a fluid film: friction falls as speed rises."""
+
+    id: ClassVar[str] = "stribeck_friction"
+    title: ClassVar[str] = "Stribeck friction"
+    summary: ClassVar[str] = "dry friction that falls with speed from breakaway to sliding (stick-slip, hunting)"
+    equation: ClassVar[str] = "y += [F + S exp(−(|v| / w)^p)] s,  p = 1 or 2"
+    coordinate: ClassVar[str] = "speed"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("friction", "N·m", 0.0, np.inf, "sliding friction at high speed"),
+        Parameter("breakaway_excess", "N·m", 0.0, np.inf, "what is added to it at standstill"),
+        Parameter("stribeck_speed", "rad/s", 0.0, np.inf, "speed at which the excess has fallen to 1/e"),
+        *PRESLIDING,
+    )
+    confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "viscous_friction")
+    contains: ClassVar[tuple[str, ...]] = ("coulomb_friction",)
+
+    def forms(self, scene: Scene) -> list[Form]:
+        fast = float(np.sqrt(np.mean(np.square(scene.signals.speed))))
+        speeds = [0.06 * fast, 0.15 * fast, 0.4 * fast, 1.0 * fast]
+        return [
+            Form(f"{told}, {law.name}", ("friction", "breakaway_excess"), _columns(law, curve), (0.0, 0.0),
+                 (np.inf, np.inf), ("stribeck_speed", law.parameter), [(w, d) for w in speeds for d in law.grid[:2]],
+                 [(0.02 * fast, 2.0 * fast), law.limits])
+            for told, curve in CURVES
+            for law in direction_laws(scene)
+        ]  # fmt: skip

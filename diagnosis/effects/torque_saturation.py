@@ -1,0 +1,57 @@
+"""Torque that cannot exceed a limit."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from .base import SENSOR, Effect, Floats, Form, Parameter, Scene
+
+__all__ = ["TorqueSaturation"]
+
+
+def _hard(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return (np.clip(scene.torque, -shape[0], shape[0]) - scene.torque)[:, None]
+
+
+def _soft(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    # Linear well below the limit and flat above it; a larger exponent makes a sharper knee.
+    limit, power = shape
+    magnitude = np.minimum(np.abs(scene.torque) / limit, 1e6 ** (1.0 / power) * 10.0)
+    return (scene.torque * ((1.0 + magnitude**power) ** (-1.0 / power) - 1.0))[:, None]
+
+
+def _smooth(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return (shape[0] * np.tanh(scene.torque / shape[0]) - scene.torque)[:, None]
+
+
+class TorqueSaturation(Effect):
+    """Sensor range, current limit or slipping clutch."""
+
+    id: ClassVar[str] = "torque_saturation"
+    title: ClassVar[str] = "torque saturation"
+    summary: ClassVar[str] = "torque that cannot exceed a limit (sensor range, current limit, slipping clutch)"
+    equation: ClassVar[str] = "y = clip(y_sim, ±L), y_sim/(1 + |y_sim/L|^p)^(1/p) or L tanh(y_sim/L)"
+    coordinate: ClassVar[str] = "load"
+    acts_on: ClassVar[str] = SENSOR
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("limit", "N·m", 0.0, np.inf, "largest torque L"),
+        Parameter("sharpness", "1", 1.5, 40.0, "exponent p of the knee"),
+    )
+    confused_with: ClassVar[tuple[str, ...]] = ("torque_gain", "end_stop", "miscalibration")
+
+    def forms(self, scene: Scene) -> list[Form]:
+        top = float(np.max(np.abs(scene.torque)))
+        if top == 0.0:
+            return []
+        grid = [(f * top,) for f in (0.4, 0.5, 0.6, 0.68, 0.75, 0.81, 0.87, 0.92, 0.96)]
+        wide = [(f * top,) for f in (0.6, 0.8, 1.0, 1.3, 1.7, 2.5, 4.0)]
+        unit = ("_unit",), (1.0,), (1.0,)
+        return [
+            Form("hard", unit[0], _hard, unit[1], unit[2], ("limit",), grid, [(0.2 * top, 0.99 * top)]),
+            Form("soft", unit[0], _soft, unit[1], unit[2], ("limit", "sharpness"),
+                 [(f * top, p) for f in (0.6, 0.8, 0.95, 1.15, 1.6) for p in (3.0, 7.0, 16.0)],
+                 [(0.3 * top, 6.0 * top), (1.5, 40.0)]),
+            Form("smooth", unit[0], _smooth, unit[1], unit[2], ("limit",), wide, [(0.3 * top, 10.0 * top)]),
+        ]  # fmt: skip

@@ -1,0 +1,192 @@
+"""The simulator as the diagnosis knows it: its output, how it answers to another input, and where its parameters lead.
+
+With a saved model the answer to another input is the model's own. With only a table of outputs, an emulator is
+identified from it: elastic polynomial + stop operators (weights ≥ 0) + stops weighed by position + rate terms, a
+generalised Prandtl-Ishlinskii model. Registered models compete with it; the one with the smallest error on the part
+of the recording that its fit did not see is used.
+
+The simulator's own parameters may be off by a few per cent. To first order that adds a combination of the emulator's
+*tangent* columns, of two kinds: the fine structure of the loop (each element's torque and its change with the
+element's threshold), in which even a well calibrated simulator differs from the joint, and the bulk (elastic curve,
+loop width, scale of the deflection, rates), in which it differs only if it is badly calibrated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+
+from ..errors import InputError
+from .operators import plays
+from .signals import Signals
+
+__all__ = ["Emulator", "SimulatorScene", "emulate"]
+
+Floats = NDArray[np.float64]
+ELEMENTS = 14
+DEGREE = 5
+# Registered models that compete with the built-in emulator, in seconds rather than minutes.
+COMPETITORS = ("prandtl-ishlinskii",)
+GOOD_ENOUGH = 0.01
+
+
+@dataclass(frozen=True)
+class Emulator:
+    """How the simulator answers to another input.
+
+    Attributes
+    ----------
+    name : str
+        Which model emulates; ``"the simulator itself"`` where a model file was given.
+    error : float
+        RMS error on the unseen half over the RMS of the simulator's output; 0 for the simulator itself.
+    structure, bulk : array, shape (n, m)
+        Change of the output for a relative change of each parameter by one: fine structure, and bulk.
+    """
+
+    name: str
+    error: float
+    predict: Callable[[Floats], Floats]
+    structure: Floats
+    bulk: Floats
+
+
+class SimulatorScene:
+    """What effects look at: the signals, the torque so far and the simulator's answer to another input."""
+
+    def __init__(self, signals: Signals, emulator: Emulator, torque: Floats | None = None, base: Floats | None = None) -> None:
+        self.signals = signals
+        self.emulator = emulator
+        self.torque = signals.y_sim if torque is None else torque
+        self._base = emulator.predict(signals.x) if base is None else base
+
+    def torque_change(self, x: Floats) -> Floats:
+        """Change of the simulator's output if its input were ``x`` (n,), N·m."""
+        return self.emulator.predict(x) - self._base
+
+    def with_torque(self, torque: Floats) -> SimulatorScene:
+        """The same scene after effects that changed the torque."""
+        return SimulatorScene(self.signals, self.emulator, torque, self._base)
+
+
+def emulate(signals: Signals, model: Any | None) -> Emulator:
+    """Identify the emulator; ``model`` is the simulator itself where it is at hand."""
+    own = _Generalised(signals)
+    if model is not None:
+        groups = np.repeat(np.arange(len(signals.runs)), [run.stop - run.start for run in signals.runs])
+        return Emulator("the simulator itself", 0.0, lambda x: np.asarray(model.predict(x, groups)), *own.tangent())
+    best = Emulator("generalised Prandtl-Ishlinskii", own.error, own.predict, *own.tangent())
+    for name in COMPETITORS if own.error > GOOD_ENOUGH else ():
+        rival = _registered(name, signals, best)
+        if rival is not None and rival.error < best.error:
+            best = rival
+    return best
+
+
+def _registered(name: str, signals: Signals, own: Emulator) -> Emulator | None:
+    from .. import models
+
+    groups = np.repeat(np.arange(len(signals.runs)), [run.stop - run.start for run in signals.runs])
+    seen = _first_part(signals)
+    try:
+        trial = models.get(name)().fit(signals.x[seen], signals.y_sim[seen], groups[seen])
+        unseen = ~seen
+        error = _relative_error(np.asarray(trial.predict(signals.x, groups))[unseen], signals.y_sim[unseen])
+        whole = models.get(name)().fit(signals.x, signals.y_sim, groups)
+    except (InputError, np.linalg.LinAlgError, RuntimeError):
+        # This model cannot describe such a simulator: the built-in emulator stays.
+        return None
+    return Emulator(name, error, lambda x: np.asarray(whole.predict(x, groups)), own.structure, own.bulk)
+
+
+def _first_part(signals: Signals) -> NDArray[np.bool_]:
+    """The first 60 % of each recording: enough to have seen its stroke."""
+    seen = np.zeros(signals.x.size, dtype=bool)
+    for run in signals.runs:
+        seen[run.start : run.start + int(0.6 * (run.stop - run.start))] = True
+    return seen
+
+
+def _relative_error(predicted: Floats, wanted: Floats) -> float:
+    return float(np.sqrt(np.mean(np.square(predicted - wanted))) / max(float(np.std(wanted)), 1e-300))
+
+
+class _Generalised:
+    """Elastic polynomial, stop operators and rate terms, identified by non-negative least squares."""
+
+    def __init__(self, signals: Signals) -> None:
+        self.signals = signals
+        self.reach = max(signals.reach, 1e-300)
+        self.middle = 0.5 * float(signals.x.max() + signals.x.min())
+        self.thresholds = np.geomspace(0.004, 0.8, ELEMENTS) * self.reach
+        elastic, stops, placed = self._parts(signals.x)
+        rates = np.column_stack([signals.speed, signals.acceleration])
+        seen = _first_part(signals)
+        free = np.hstack([elastic, placed, rates])
+        trial = _solve(free[seen], stops[seen], signals.y_sim[seen])
+        unseen = ~seen
+        guess = free[unseen] @ trial[: free.shape[1]] + stops[unseen] @ trial[free.shape[1] :]
+        self.error = _relative_error(guess, signals.y_sim[unseen])
+        solution = _solve(free, stops, signals.y_sim)
+        n_elastic, n_placed = elastic.shape[1], placed.shape[1]
+        self.elastic = solution[:n_elastic]
+        self.placed = solution[n_elastic : n_elastic + n_placed]
+        self.rates = solution[n_elastic + n_placed : free.shape[1]]
+        self.weights = solution[free.shape[1] :]
+
+    def _parts(self, x: Floats, scale: float = 1.0) -> tuple[Floats, Floats, Floats]:
+        signals = self.signals
+        played = signals.per_run(lambda run: plays(x[run], scale * self.thresholds))
+        stops = x[:, None] - played
+        u = (x - self.middle) / self.reach
+        elastic = np.polynomial.legendre.legvander(np.clip(u, -1.3, 1.3), DEGREE)
+        some = stops[:, [ELEMENTS // 3, 2 * ELEMENTS // 3]]
+        placed = np.hstack([u[:, None] * some, (u * u)[:, None] * some])
+        return elastic, stops, placed
+
+    def predict(self, x: Floats) -> Floats:
+        elastic, stops, placed = self._parts(x)
+        return elastic @ self.elastic + stops @ self.weights + placed @ self.placed
+
+    def tangent(self) -> tuple[Floats, Floats]:
+        """Columns (n, m) of structure and bulk, each the change for a relative error of one of some parameter."""
+        x = self.signals.x
+        elastic, stops, placed = self._parts(x)
+        wider, narrower = self._parts(x, 1.05)[1], self._parts(x, 0.95)[1]
+        # An element that the sparse fit left out shares its neighbours' size: its parameters are unknown, not exact.
+        weights = np.maximum(self.weights, 0.5 * np.convolve(self.weights, np.ones(3) / 3.0, mode="same"))
+        curve = elastic[:, 1:] * self.elastic[1:]
+        odd, even = curve[:, ::2].sum(axis=1), curve[:, 1::2].sum(axis=1)
+        width = stops @ self.weights + placed @ self.placed
+        size_odd, size_even = float(np.std(odd)), float(np.std(even))
+        legendre = elastic[:, 1:] / np.maximum(np.std(elastic[:, 1:], axis=0), 1e-300)
+        shapes = legendre * np.array([size_odd if k % 2 == 0 else size_even for k in range(DEGREE)]) * 0.4
+        small = 1e-3
+        stretched = (self.predict((1.0 + small) * x) - self.predict((1.0 - small) * x)) / (2.0 * small)
+        structure = np.hstack([stops * weights, (wider - narrower) * (weights / 0.1)])
+        bulk = np.column_stack([
+            shapes, odd, even, width, stretched, self.signals.speed * self.rates[0], self.signals.acceleration * self.rates[1],
+        ])  # fmt: skip
+        return structure, bulk
+
+
+def _solve(free: Floats, bounded: Floats, target: Floats) -> Floats:
+    """Least squares with free columns and non-negative ones; returns the free unknowns first."""
+    columns = np.hstack([free, bounded])
+    scale = np.sqrt(np.mean(np.square(columns), axis=0))
+    scale[scale == 0.0] = 1.0
+    columns = columns / scale
+    # A ridge of a millionth keeps nearly equal columns from cancelling each other with huge weights.
+    ridge = np.sqrt(1e-6 * columns.shape[0]) * np.eye(columns.shape[1])
+    triangle = np.linalg.qr(np.column_stack([np.vstack([columns, ridge]), np.concatenate([target, np.zeros(columns.shape[1])])]), mode="r")
+    k = free.shape[1]
+    matrix, wanted = triangle[:-1, :-1], triangle[:-1, -1]
+    # The free unknowns come first in the triangle: below their rows only the bounded ones are left.
+    positive = nnls(matrix[k:, k:], wanted[k:], maxiter=50 * columns.shape[1])[0]
+    rest = np.linalg.solve(matrix[:k, :k], wanted[:k] - matrix[:k, k:] @ positive)
+    return np.concatenate([rest, positive]) / scale

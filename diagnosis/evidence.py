@@ -1,0 +1,316 @@
+"""How well a set of effects explains a gap, beside a simulator whose own parameters may be off.
+
+The gap is r = Σ Φ_e(θ_e) β_e + s B δ + c B' δ' + ε with the effects' columns Φ, the simulator's tangents B (fine
+structure) and B' (bulk), relative parameter errors s δ and c δ', δ, δ' ~ N(0, 1), and white noise ε. Integrating them
+out leaves r ~ N(Φβ, σ² V), V = 1 + (s² B Bᵀ + c² B' B'ᵀ)/σ². With s = c = 0 the simulator is taken as exact, with large
+ones it is refitted freely. A small grid of them competes, so each effect is judged beside the fixed and beside the
+refitted simulator by one rule, a Bayesian information criterion on the effective number of samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from .effects.base import INPUT, SENSOR, TORQUE, Effect, Form
+from .emulation import SimulatorScene
+
+__all__ = ["Evidence", "Hypothesis", "Term", "boxed_least_squares"]
+
+Floats = NDArray[np.float64]
+Scale = tuple[float, float]
+SCALES: tuple[Scale, ...] = (
+    (0.0, 0.0), (0.005, 0.0), (0.01, 0.0), (0.02, 0.0), (0.06, 0.0),
+    (0.005, 0.03), (0.01, 0.03), (0.02, 0.03), (0.06, 0.03), (0.06, 0.1),
+)  # fmt: skip
+"""Relative errors (s, c) of the simulator's fine structure and of its bulk parameters."""
+INADEQUACY = 0.04
+"""No listed law is exact: what is left over within this share of the gap's RMS is not held against an effect."""
+ORDER = {INPUT: 0, TORQUE: 1, SENSOR: 2}
+
+
+@dataclass(frozen=True)
+class Term:
+    """One effect with one of its laws and values of that law's shape parameters."""
+
+    effect: Effect
+    form: Form
+    shape: tuple[float, ...]
+
+
+@dataclass
+class Hypothesis:
+    """A set of effects, fitted.
+
+    Attributes
+    ----------
+    terms : tuple of Term
+        In the order in which they act.
+    scale : (float, float)
+        Relative errors (s, c) of the simulator's parameters.
+    columns : array, shape (n, k)
+    coefficients : array, shape (k,)
+    rss : float
+        Whitened sum of squares that is left.
+    score : float
+        Logarithm of the evidence, up to a constant of the recording.
+    """
+
+    terms: tuple[Term, ...]
+    scale: Scale
+    columns: Floats
+    coefficients: Floats
+    rss: float
+    score: float
+    by_scale: dict[Scale, float] = field(default_factory=dict)
+
+    @property
+    def names(self) -> frozenset[str]:
+        return frozenset(term.effect.id for term in self.terms)
+
+    @property
+    def signal(self) -> Floats:
+        """What the effects add to the simulator, N·m, shape (n,)."""
+        return self.columns @ self.coefficients
+
+    def part(self, name: str) -> Floats:
+        """What one effect adds, N·m, shape (n,)."""
+        start = 0
+        for term in self.terms:
+            width = len(term.form.coefficients)
+            if term.effect.id == name:
+                return self.columns[:, start : start + width] @ self.coefficients[start : start + width]
+            start += width
+        raise KeyError(name)
+
+    def parameters(self, name: str) -> dict[str, float]:
+        """Fitted parameters of one effect by name."""
+        start = 0
+        for term in self.terms:
+            width = len(term.form.coefficients)
+            if term.effect.id == name:
+                named = dict(zip(term.form.coefficients, self.coefficients[start : start + width].tolist(), strict=True))
+                named.update(zip(term.form.shapes, term.shape, strict=True))
+                return {key: float(value) for key, value in named.items() if not key.startswith("_")}
+            start += width
+        raise KeyError(name)
+
+
+def boxed_least_squares(gram: Floats, moment: Floats, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
+    """Minimise β'Gβ − 2 g'β within lower ≤ β ≤ upper, for a batch.
+
+    Parameters
+    ----------
+    gram : array, shape (m, k, k)
+    moment : array, shape (m, k)
+    lower, upper : array, shape (k,)
+
+    Returns
+    -------
+    coefficients : array, shape (m, k)
+    reduction : array, shape (m,)
+        2 g'β − β'Gβ, by which the sum of squares falls.
+    """
+    m, k = moment.shape
+    if k == 0:
+        return np.zeros((m, 0)), np.zeros(m)
+    norm = np.sqrt(np.maximum(np.einsum("mii->mi", gram), 1e-300))
+    scaled = gram / (norm[:, :, None] * norm[:, None, :]) + 1e-9 * np.eye(k)
+    wanted = moment / norm
+    low, high = lower * norm, upper * norm
+    held = np.broadcast_to(lower == upper, (m, k)).copy()
+    value = np.where(held, np.where(np.isfinite(low), low, 0.0), 0.0)
+    # Clamp what leaves the box and solve again; each round clamps at least one more unknown, so k rounds end it.
+    for _ in range(k + 1):
+        system = np.where(held[:, :, None] | held[:, None, :], 0.0, scaled)
+        system[:, np.arange(k), np.arange(k)] = np.where(held, 1.0, np.einsum("mii->mi", scaled))
+        right = np.where(held, value, wanted - np.einsum("mij,mj->mi", scaled, np.where(held, value, 0.0)))
+        found = np.linalg.solve(system, right[:, :, None])[:, :, 0]
+        outside = ~held & ((found < low) | (found > high))
+        if not outside.any():
+            break
+        worst = np.zeros_like(outside)
+        excess = np.where(outside, np.maximum(low - found, found - high), -1.0)
+        rows = np.flatnonzero(outside.any(axis=1))
+        worst[rows, np.argmax(excess[rows], axis=1)] = True
+        value = np.where(worst, np.clip(found, low, high), value)
+        held |= worst
+    found = np.where(held, value, found)
+    beta = found / norm
+    reduction = 2.0 * np.einsum("mi,mi->m", moment, beta) - np.einsum("mi,mij,mj->m", beta, gram, beta)
+    return beta, reduction
+
+
+class Evidence:
+    """Scores sets of effects on chosen samples of a recording.
+
+    Parameters
+    ----------
+    scene : SimulatorScene
+    rows : bool array, shape (n,), optional
+        Samples that count (default: all).
+    thinning : float
+        Effective over actual number of samples (serial correlation).
+    """
+
+    def __init__(self, scene: SimulatorScene, rows: NDArray[np.bool_] | None = None, thinning: float = 1.0) -> None:
+        self.scene = scene
+        self.thinning = thinning
+        self.rows = np.ones(scene.torque.size, dtype=bool) if rows is None else rows
+        self.gap = scene.signals.gap[self.rows]
+        self.sigma = scene.signals.noise_floor
+        structure, bulk = scene.emulator.structure[self.rows], scene.emulator.bulk[self.rows]
+        left, singular, right = np.linalg.svd(np.hstack([structure, bulk]), full_matrices=False)
+        kept = singular > 1e-5 * max(float(singular[0]), 1e-300)
+        self._basis = left[:, kept]
+        # The same combinations of tangents on every sample, those that this fit does not see included.
+        self._to_basis = right[kept].T / singular[kept]
+        factor = singular[kept, None] * right[kept]
+        split = structure.shape[1]
+        self._modes: dict[Scale, tuple[Floats, Floats]] = {}
+        for scale in SCALES:
+            weighed = np.hstack([scale[0] * factor[:, :split], scale[1] * factor[:, split:]]) / self.sigma
+            ratio, rotation = np.linalg.eigh(weighed @ weighed.T)
+            self._modes[scale] = np.maximum(ratio, 0.0), rotation
+        self._gap_in_basis = self._basis.T @ self.gap
+        self.gap_energy = float(self.gap @ self.gap)
+        self.inadequacy = (INADEQUACY**2) * max(self.gap_energy / self.gap.size - self.sigma**2, 0.0)
+
+    @property
+    def size(self) -> int:
+        return self.gap.size
+
+    def inside(self, columns: Floats) -> Floats:
+        """Components in the simulator's tangent space, shape (m,) or (m, k)."""
+        return self._basis.T @ columns
+
+    def shrink(self, scale: Scale) -> tuple[Floats, Floats]:
+        """Share that the refit absorbs of each tangent mode, shape (m,), and the modes, shape (m, m)."""
+        ratio, rotation = self._modes[scale]
+        return ratio / (1.0 + ratio), rotation
+
+    def complexity(self, scale: Scale) -> float:
+        """Half the log determinant of V: what the freedom of the simulator's parameters costs."""
+        return 0.5 * float(np.sum(np.log1p(self.thinning * self._modes[scale][0])))
+
+    def score(self, rss: Floats | float, scale: Scale, unknowns: int) -> Floats:
+        """Logarithm of the evidence up to a constant; arrays of ``rss`` give arrays."""
+        effective = self.thinning * self.size
+        misfit = np.maximum(np.asarray(rss) / self.size, 1e-4 * self.sigma**2) + self.inadequacy
+        return -0.5 * effective * np.log(misfit) - self.complexity(scale) - 0.5 * unknowns * np.log(max(effective, 3.0))
+
+    def reduced(self, gram: Floats, moment: Floats, energy: float, inside: Floats, scale: Scale) -> tuple[Floats, Floats, float]:
+        """Whitened Φ'V⁻¹Φ, Φ'V⁻¹r and r'V⁻¹r from the plain products and Φ's tangent components ``inside``."""
+        absorbed, rotation = self.shrink(scale)
+        turned, gap = rotation.T @ inside, rotation.T @ self._gap_in_basis
+        return (
+            gram - turned.T @ (absorbed[:, None] * turned),
+            moment - turned.T @ (absorbed * gap),
+            energy - float(gap @ (absorbed * gap)),
+        )
+
+    def whitened(self, series: Floats, scale: Scale) -> Floats:
+        """V^(−1/2) applied to ``series`` (n,)."""
+        absorbed, rotation = self.shrink(scale)
+        root = 1.0 - np.sqrt(1.0 - absorbed)
+        return series - self._basis @ (rotation @ (root * (rotation.T @ (self._basis.T @ series))))
+
+    def absorbed(self, residual: Floats, scale: Scale) -> Floats:
+        """What the refitted simulator takes of ``residual`` (over this fit's rows), on every sample, shape (n,)."""
+        absorbed, rotation = self.shrink(scale)
+        modes = rotation @ (absorbed * (rotation.T @ (self._basis.T @ residual)))
+        scene = self.scene
+        return np.hstack([scene.emulator.structure, scene.emulator.bulk]) @ (self._to_basis @ modes)
+
+    # ---- fitting ---------------------------------------------------------------------------------------------------
+
+    def columns(self, terms: Sequence[Term], guess: Floats | None = None) -> Floats:
+        """Columns of all terms, shape (n, k); effects of the sensor see the torque that the others changed.
+
+        ``guess`` are coefficients, shape (k,), from which that torque is made.
+        """
+        ordered = sorted(terms, key=lambda term: ORDER[term.effect.acts_on])
+        made: list[Floats] = []
+        scene, start = self.scene, 0
+        for term in ordered:
+            if guess is not None and made and ORDER[term.effect.acts_on] > 0:
+                before = np.hstack(made)
+                scene = self.scene.with_torque(self.scene.torque + before @ guess[: before.shape[1]])
+            made.append(term.form.columns(scene, term.shape))
+            start += made[-1].shape[1]
+        return np.hstack(made) if made else np.empty((self.scene.torque.size, 0))
+
+    def fit(self, terms: Sequence[Term], scales: Sequence[Scale] = SCALES) -> Hypothesis:
+        """Best coefficients and scale for given shapes."""
+        ordered = tuple(sorted(terms, key=lambda term: ORDER[term.effect.acts_on]))
+        lower = np.array([value for term in ordered for value in term.form.lower])
+        upper = np.array([value for term in ordered for value in term.form.upper])
+        unknowns = count_unknowns(ordered)
+        columns = self.columns(ordered)
+        best: Hypothesis | None = None
+        # The first pass takes the effects as independent, the second lets later ones act on what earlier ones made.
+        for _ in range(2 if len(ordered) > 1 else 1):
+            if best is not None:
+                columns = self.columns(ordered, best.coefficients)
+            best, by_scale = None, {}
+            chosen = columns[self.rows]
+            products = chosen.T @ chosen, chosen.T @ self.gap, self.gap_energy, self.inside(chosen)
+            for scale in scales:
+                gram, moment, energy = self.reduced(*products, scale)
+                beta, reduction = boxed_least_squares(gram[None], moment[None], lower, upper)
+                rss = max(energy - float(reduction[0]), 1e-12 * self.gap_energy)
+                score = float(self.score(rss, scale, unknowns))
+                by_scale[scale] = score
+                if best is None or score > best.score:
+                    best = Hypothesis(ordered, scale, columns, beta[0], rss, score)
+            best.by_scale = by_scale
+        assert best is not None
+        return best
+
+    def refine(self, start: Hypothesis, evaluations: int = 10, scales: Sequence[Scale] = SCALES) -> Hypothesis:
+        """Move the shapes to their best values, coefficients profiled out; then choose again among ``scales``."""
+        slots = [(i, j) for i, term in enumerate(start.terms) for j in range(len(term.shape))]
+        if not slots:
+            return start
+        low = np.array([start.terms[i].form.limits[j][0] for i, j in slots])
+        high = np.array([start.terms[i].form.limits[j][1] for i, j in slots])
+        # Shapes are lengths, times and speeds: they are searched by ratio wherever their bounds have one sign.
+        flipped = high <= 0.0
+        by_ratio = (low * high > 0.0)
+        first = np.array([start.terms[i].shape[j] for i, j in slots])
+
+        def encode(values: Floats) -> Floats:
+            return np.where(by_ratio, np.log(np.where(by_ratio, np.abs(values), 1.0)), values)
+
+        def decode(values: Floats) -> Floats:
+            return np.where(by_ratio, np.exp(np.where(by_ratio, values, 0.0)) * np.where(flipped, -1.0, 1.0), values)
+
+        ends = np.sort(np.stack([encode(low), encode(high)]), axis=0)
+
+        def terms_at(values: Floats) -> tuple[Term, ...]:
+            shapes = [list(term.shape) for term in start.terms]
+            for (i, j), value in zip(slots, decode(values), strict=True):
+                shapes[i][j] = float(value)
+            return tuple(Term(t.effect, t.form, tuple(s)) for t, s in zip(start.terms, shapes, strict=True))
+
+        def left(values: Floats) -> Floats:
+            fitted = self.fit(terms_at(values), (start.scale,))
+            return self.whitened(self.gap - fitted.signal[self.rows], start.scale) / self.sigma
+
+        inside = np.clip(encode(first), ends[0] + 1e-9, ends[1] - 1e-9)
+        found = least_squares(
+            left, inside, bounds=(ends[0], ends[1]), diff_step=3e-3, max_nfev=evaluations, xtol=1e-3, ftol=1e-4,
+            x_scale=np.maximum(0.2 * (ends[1] - ends[0]), 1e-12),
+        )  # fmt: skip
+        better = self.fit(terms_at(found.x), scales)
+        return better if better.score > start.score else start
+
+
+def count_unknowns(terms: Sequence[Term]) -> int:
+    """Free coefficients and shapes."""
+    free = sum(lo != up for term in terms for lo, up in zip(term.form.lower, term.form.upper, strict=True))
+    return free + sum(len(term.shape) for term in terms)

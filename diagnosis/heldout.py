@@ -1,0 +1,108 @@
+"""How far a gap shrinks, on samples that the fit never saw."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .evidence import Evidence, Hypothesis
+
+__all__ = ["HeldOut", "closed_share", "held_out"]
+
+Floats = NDArray[np.float64]
+FOLDS = 5
+BLOCKS_A_FOLD = 6
+MARGIN = 0.1
+"""Part of a block's length that is left out of the fit on either side of it, so that memory does not leak."""
+RESAMPLES = 400
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """A hypothesis' output where its fit was blind.
+
+    Attributes
+    ----------
+    signal : array, shape (n,)
+        What all effects add.
+    parts : dict of str to array
+        What each effect adds.
+    recalibration : array, shape (n,)
+        What the refitted simulator adds.
+    """
+
+    signal: Floats
+    parts: dict[str, Floats]
+    recalibration: Floats
+
+
+def _folds(evidence: Evidence) -> list[tuple[NDArray[np.bool_], NDArray[np.bool_]]]:
+    """(seen, held out) rows of each fold: interleaved blocks with margins."""
+    n = evidence.scene.torque.size
+    edges = np.linspace(0, n, FOLDS * BLOCKS_A_FOLD + 1).astype(int)
+    margin = int(MARGIN * n / (FOLDS * BLOCKS_A_FOLD))
+    made = []
+    for fold in range(FOLDS):
+        out, near = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
+        for block in range(fold, FOLDS * BLOCKS_A_FOLD, FOLDS):
+            out[edges[block] : edges[block + 1]] = True
+            near[max(edges[block] - margin, 0) : edges[block + 1] + margin] = True
+        made.append((~near, out))
+    return made
+
+
+def held_out(evidence: Evidence, hypothesis: Hypothesis, evaluations: int = 4) -> HeldOut:
+    """Fit ``hypothesis`` again on each fold's seen samples and evaluate it on the others.
+
+    ``evaluations`` limits how far the shapes may move in each fold (0: they stay).
+    """
+    n = evidence.scene.torque.size
+    signal, recalibration = np.zeros(n), np.zeros(n)
+    parts = {name: np.zeros(n) for name in hypothesis.names}
+    for seen, out in _folds(evidence):
+        part = Evidence(evidence.scene, seen, evidence.thinning)
+        fitted = part.fit(hypothesis.terms, (hypothesis.scale,))
+        if evaluations:
+            fitted = part.refine(fitted, evaluations, (hypothesis.scale,))
+        whole = fitted.signal
+        signal[out] = whole[out]
+        for name in parts:
+            parts[name][out] = fitted.part(name)[out]
+        if hypothesis.scale != (0.0, 0.0):
+            recalibration[out] = part.absorbed(part.gap - whole[seen], hypothesis.scale)[out]
+    return HeldOut(signal, parts, recalibration)
+
+
+def closed_share(gap: Floats, after: Floats, floor: float, seed: int) -> tuple[float, float, list[float]]:
+    """RMS of what is left, share of the gap's energy beyond the noise that is closed, and its 90 % interval.
+
+    The interval is a block bootstrap (Kuensch, Ann. Statist. 17, 1989) with blocks of a fortieth of the recording.
+    """
+    edges = np.linspace(0, gap.size, min(40, max(gap.size // 8, 2)) + 1).astype(int)
+    sizes = np.diff(edges)
+    before_sums = np.add.reduceat(np.square(gap), edges[:-1])
+    after_sums = np.add.reduceat(np.square(after), edges[:-1])
+    rng = np.random.default_rng(seed)
+    drawn = rng.integers(0, sizes.size, (RESAMPLES, sizes.size))
+
+    def share(rows: NDArray[np.intp]) -> Floats:
+        count = sizes[rows].sum(axis=-1)
+        before = before_sums[rows].sum(axis=-1) / count - floor**2
+        left = after_sums[rows].sum(axis=-1) / count - floor**2
+        return 1.0 - left / np.maximum(before, 1e-300)
+
+    everything = float(share(np.arange(sizes.size)))
+    # A bootstrap sample in which the gap is not above the noise says nothing about its share.
+    interval = np.percentile(np.clip(share(drawn), -10.0, 1.5), [5.0, 95.0])
+    low, high = sorted((min(float(interval[0]), everything), max(float(interval[1]), everything)))
+    return float(np.sqrt(np.mean(np.square(after)))), everything, [low, high]
+
+
+def structured_power(series: Floats, runs: Sequence[slice], lags: tuple[int, ...] = (1, 2, 3)) -> float:
+    """Energy of ``series`` that lasts longer than a few samples: its mean lagged product, free of white noise."""
+    total = sum(float(series[run][lag:] @ series[run][:-lag]) for run in runs for lag in lags)
+    count = sum(run.stop - run.start - lag for run in runs for lag in lags)
+    return total / max(count, 1)

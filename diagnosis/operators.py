@@ -1,0 +1,65 @@
+"""Compiled operators with memory that effects and the emulator are made of."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+__all__ = ["bristle", "lowpass", "plays"]
+
+Floats = NDArray[np.float64]
+
+
+@njit(cache=True)
+def _plays(x, thresholds, out):
+    for j in range(thresholds.size):
+        r = thresholds[j]
+        p = 0.0
+        for i in range(x.size):
+            p = min(max(p, x[i] - r), x[i] + r)
+            out[i, j] = p
+
+
+@njit(cache=True)
+def _bristle(x, length, out):
+    s = 0.0
+    for i in range(1, x.size):
+        moved = x[i] - x[i - 1]
+        towards = 1.0 if moved > 0.0 else -1.0
+        s = towards + (s - towards) * np.exp(-abs(moved) / length)
+        out[i] = s
+
+
+@njit(cache=True)
+def _lowpass(time, u, tau, out):
+    state = u[0]
+    out[0] = state
+    for i in range(1, u.size):
+        q = (time[i] - time[i - 1]) / tau
+        decay = np.exp(-q)
+        # Exact for an input that is linear between samples.
+        ramp = (1.0 - decay) / q
+        state = decay * state + (ramp - decay) * u[i - 1] + (1.0 - ramp) * u[i]
+        out[i] = state
+
+
+def plays(x: Floats, thresholds: Floats) -> Floats:
+    """Play operators of half widths ``thresholds`` (N,), each from 0, over ``x`` (n,); shape (n, N)."""
+    out = np.empty((x.size, thresholds.size))
+    _plays(np.ascontiguousarray(x), np.ascontiguousarray(thresholds, dtype=np.float64), out)
+    return out
+
+
+def bristle(x: Floats, length: float) -> Floats:
+    """Direction of motion that builds up over the distance ``length`` (Dahl's presliding), shape (n,), within ±1."""
+    out = np.zeros(x.size)
+    _bristle(np.ascontiguousarray(x), float(length), out)
+    return out
+
+
+def lowpass(time: Floats, signal: Floats, tau: float) -> Floats:
+    """First-order lag of time constant ``tau`` (s) over ``signal`` (n,), settled at its first value."""
+    out = np.empty(signal.size)
+    _lowpass(np.ascontiguousarray(time), np.ascontiguousarray(signal), float(tau), out)
+    return out

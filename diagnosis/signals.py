@@ -1,0 +1,200 @@
+"""What a recording says at each sample: the coordinates in which a gap can show.
+
+Derivatives come from a local cubic (Savitzky-Golay) whose window is the widest that leaves no more than the sensor's
+noise behind (the discrepancy principle), so that a clean simulated motion is hardly smoothed and a noisy one enough.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import savgol_filter
+
+from ..models.motion import directions, noise_level, turning_points
+from .operators import bristle, lowpass, plays
+
+__all__ = ["COORDINATES", "Signals"]
+
+Floats = NDArray[np.float64]
+COORDINATES = (
+    "time", "position", "direction", "speed", "acceleration", "distance_since_reversal", "amplitude", "load", "travel",
+)  # fmt: skip
+WINDOWS = (5, 7, 9, 13, 17, 23, 31, 41, 55, 75)
+
+
+@dataclass(frozen=True)
+class Signals:
+    """One or more recordings end to end, and the simulator's output at their samples.
+
+    Attributes
+    ----------
+    time, x, y_real, y_sim : array, shape (n,)
+        s, rad, N·m, N·m. Time restarts with each recording.
+    runs : sequence of slice
+        The recordings; memory restarts with each.
+    channels : mapping of str to array, shape (n,)
+        Further measured channels, such as temperature or pressure.
+    """
+
+    time: Floats
+    x: Floats
+    y_real: Floats
+    y_sim: Floats
+    runs: Sequence[slice]
+    channels: Mapping[str, Floats]
+
+    # ---- what follows from them ------------------------------------------------------------------------------------
+
+    @cached_property
+    def gap(self) -> Floats:
+        """Recording minus simulator, N·m, shape (n,)."""
+        return self.y_real - self.y_sim
+
+    @cached_property
+    def noise_floor(self) -> float:
+        """Standard deviation of the white noise on the gap, N·m: what no simulator can close."""
+        levels = [noise_level(self.gap[run]) for run in self.runs]
+        sizes = [run.stop - run.start for run in self.runs]
+        measured = float(np.sqrt(np.average(np.square(levels), weights=sizes)))
+        # A noise-free (synthetic) recording still has the resolution of its numbers.
+        return max(measured, 1e-5 * float(np.std(self.y_real)), 1e-300)
+
+    @cached_property
+    def interval(self) -> float:
+        """Median time between samples, s."""
+        return float(np.median(np.concatenate([np.diff(self.time[run]) for run in self.runs])))
+
+    @cached_property
+    def reach(self) -> float:
+        """Half the range of the deflection, rad."""
+        return 0.5 * float(np.ptp(self.x))
+
+    @cached_property
+    def _motion(self) -> tuple[Floats, Floats, Floats]:
+        parts = [_differentiate(self.time[run], self.x[run]) for run in self.runs]
+        smooth, speed, acceleration = (np.concatenate(series) for series in zip(*parts, strict=True))
+        return smooth, speed, acceleration
+
+    @property
+    def smooth_x(self) -> Floats:
+        """The deflection without sensor noise, rad."""
+        return self._motion[0]
+
+    @property
+    def speed(self) -> Floats:
+        """dx/dt, rad/s."""
+        return self._motion[1]
+
+    @property
+    def acceleration(self) -> Floats:
+        """d²x/dt², rad/s²."""
+        return self._motion[2]
+
+    @cached_property
+    def _dead_band(self) -> float:
+        noise = max(noise_level(self.x[run] - self.smooth_x[run]) for run in self.runs)
+        return min(3.0 * noise + 1e-4 * self.reach, 0.05 * self.reach)
+
+    @cached_property
+    def direction(self) -> Floats:
+        """Direction of motion, ±1 (0 before the first motion); a pause keeps it."""
+        return self.per_run(lambda run: directions(self.smooth_x[run], self._dead_band).astype(np.float64))
+
+    @cached_property
+    def _half_cycles(self) -> tuple[Floats, Floats]:
+        since, amplitude = np.empty_like(self.x), np.empty_like(self.x)
+        for run in self.runs:
+            x = self.smooth_x[run]
+            points = turning_points(x, self._dead_band)
+            segment = np.clip(np.searchsorted(points, np.arange(x.size), side="right") - 1, 0, max(points.size - 2, 0))
+            since[run] = np.abs(x - x[points[segment]])
+            last = points[np.minimum(segment + 1, points.size - 1)]
+            amplitude[run] = 0.5 * np.abs(x[last] - x[points[segment]])
+        return since, amplitude
+
+    @property
+    def since_reversal(self) -> Floats:
+        """Distance from the last turning point, rad."""
+        return self._half_cycles[0]
+
+    @property
+    def amplitude(self) -> Floats:
+        """Half the stroke of the current half cycle, rad."""
+        return self._half_cycles[1]
+
+    @cached_property
+    def travel(self) -> Floats:
+        """Distance covered since the recording began, rad."""
+        return self.per_run(lambda run: np.cumsum(np.abs(np.diff(self.smooth_x[run], prepend=self.smooth_x[run][0]))))
+
+    @cached_property
+    def coordinates(self) -> dict[str, Floats]:
+        """Every coordinate by its name, further channels included."""
+        named = {
+            "time": self.time, "position": self.smooth_x, "direction": self.direction, "speed": self.speed,
+            "acceleration": self.acceleration, "distance_since_reversal": self.since_reversal,
+            "amplitude": self.amplitude, "load": self.y_sim, "travel": self.travel,
+        }  # fmt: skip
+        return {**named, **{name: values for name, values in self.channels.items() if name not in named}}
+
+    # ---- tools for effects -----------------------------------------------------------------------------------------
+
+    def per_run(self, compute: Callable[[slice], Floats]) -> Floats:
+        """``compute`` applied to each recording, joined to shape (n,) or (n, k)."""
+        return np.concatenate([compute(run) for run in self.runs])
+
+    def bristle(self, length: float) -> Floats:
+        """Direction that builds up over ``length`` rad after a turn, shape (n,)."""
+        return self.per_run(lambda run: bristle(self.smooth_x[run], length))
+
+    def slipping(self, length: float) -> Floats:
+        """Direction from a spring and slider that yields after ``length`` rad, shape (n,)."""
+        half = np.array([length])
+        return self.per_run(lambda run: (self.smooth_x[run] - plays(self.smooth_x[run], half)[:, 0]) / length)
+
+    def lowpass(self, signal: Floats, tau: float) -> Floats:
+        """First-order lag of ``signal`` (n,), time constant ``tau`` s."""
+        return self.per_run(lambda run: lowpass(self.time[run], signal[run], tau))
+
+    def delayed(self, signal: Floats, tau: float) -> Floats:
+        """``signal`` (n,) as it was ``tau`` s earlier (later if negative); held at a recording's ends."""
+        return self.per_run(lambda run: np.interp(self.time[run] - tau, self.time[run], signal[run]))
+
+    @cached_property
+    def elapsed(self) -> Floats:
+        """Time since the recording began, s."""
+        return self.per_run(lambda run: self.time[run] - self.time[run][0])
+
+
+def _differentiate(time: Floats, x: Floats) -> tuple[Floats, Floats, Floats]:
+    """Smoothed deflection and its first two derivatives."""
+    steps = np.diff(time)
+    step = float(np.median(steps))
+    uniform = bool(np.all(np.abs(steps - step) <= 0.02 * step))
+    clock = time if uniform else np.linspace(time[0], time[-1], round((time[-1] - time[0]) / step) + 1)
+    series = x if uniform else np.interp(clock, time, x)
+    noise = noise_level(series)
+    window = 5
+    for wider in WINDOWS[1:]:
+        if wider > series.size // 2:
+            break
+        left = series - savgol_filter(series, wider, 3)
+        # A local cubic over w samples passes on about 9/(4 w) of the noise's energy.
+        if np.sqrt(np.mean(np.square(left))) > 1.1 * noise * np.sqrt(1.0 - 2.25 / wider):
+            break
+        window = wider
+    if series.size < 2 * window:
+        speed = np.gradient(series, clock)
+        found = series, speed, np.gradient(speed, clock)
+    else:
+        smooth = savgol_filter(series, window, 3) if noise > 1e-9 * np.ptp(series) else series
+        found = (
+            smooth,
+            savgol_filter(series, window, 3, deriv=1, delta=step),
+            savgol_filter(series, max(window, 7) if series.size > 14 else window, 4, deriv=2, delta=step),
+        )
+    return found if uniform else tuple(np.interp(time, clock, part) for part in found)  # type: ignore[return-value]

@@ -1,0 +1,162 @@
+"""From fitted hypotheses to a verdict with a calibrated confidence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .calibration import CONFIDENCE, confidence
+from .evidence import Evidence, Hypothesis, Scale
+from .heldout import HeldOut, held_out, structured_power
+
+__all__ = ["MISCALIBRATION", "UNKNOWN", "Choice", "choose"]
+
+Floats = NDArray[np.float64]
+MISCALIBRATION, UNKNOWN = "miscalibration", "unknown"
+EFFECT_COST = 3.0
+"""Logarithm of the prior odds against each further effect."""
+NEGLIGIBLE = 0.6
+"""An effect smaller than this share of the noise is no gap beyond the noise."""
+WORTH = 0.04
+"""Share of the gap's energy that an effect must close beside the others."""
+WORTH_AT_LEAST = 0.006
+"""The same where the effect's own signal is large: the rest of the explanation can then stand in for most of it."""
+CONTAINED = 0.01
+"""Share of the gap's energy within which a special case is preferred to the general effect."""
+RECALIBRATION_WORTH = 0.06
+"""Share of the gap's energy that the refit must close to be called a miscalibration."""
+FINE = 0.02
+"""Relative error of the simulator's fine structure that is no miscalibration: no two models agree better."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The verdict and what it rests on."""
+
+    verdict: list[str]
+    confidence: float
+    hypothesis: Hypothesis
+    held: HeldOut
+    miscalibrated: bool
+    left: float
+    """Structured power left over by the best explanation, over the gap's."""
+    features: dict[str, float]
+    posterior: dict[frozenset[str], float]
+
+
+def is_refitted(scale: Scale) -> bool:
+    """Whether a scale means that the simulator's own parameters are off."""
+    return scale[1] > 0.0 or scale[0] > FINE
+
+
+def _prior(hypothesis: Hypothesis) -> float:
+    return -EFFECT_COST * len(hypothesis.terms)
+
+
+def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
+    """Weigh the hypotheses (the empty one first) and state the verdict."""
+    signals = evidence.scene.signals
+    floor = evidence.sigma
+    energy = max(float(np.mean(np.square(evidence.gap))) - floor**2, 1e-6 * floor**2)
+    ranked = sorted(found, key=lambda h: -(h.score + _prior(h)))
+    best = _simplest(evidence, ranked, energy)
+
+    # Miscalibration: does the refit of bulk parameters close more than fine structure alone does?
+    fixed = evidence.fit(best.terms, tuple(scale for scale in best.by_scale if not is_refitted(scale)))
+    recalibration = evidence.absorbed(evidence.gap - best.signal[evidence.rows], best.scale)
+    misfit_fixed = _left_over(evidence, fixed)
+    misfit_refit = _left_over(evidence, best)
+    refit_gain = (np.mean(np.square(misfit_fixed)) - np.mean(np.square(misfit_refit))) / energy
+    miscalibrated = (
+        is_refitted(best.scale)
+        and refit_gain > RECALIBRATION_WORTH
+        and float(np.std(recalibration)) > NEGLIGIBLE * floor
+    )
+
+    held = held_out(evidence, best)
+    after = signals.gap - held.signal - held.recalibration
+    left = max(structured_power(after, signals.runs), 0.0)
+    gap_power = max(structured_power(signals.gap, signals.runs), 1e-6 * floor**2)
+    scores = np.array([h.score + _prior(h) for h in ranked])
+    weights = np.exp(np.clip(scores - scores.max(), -700.0, 0.0))
+    posterior: dict[frozenset[str], float] = {}
+    for hypothesis, weight in zip(ranked, weights / weights.sum(), strict=True):
+        posterior[hypothesis.names] = posterior.get(hypothesis.names, 0.0) + float(weight)
+    rivals = [s for h, s in zip(ranked, scores, strict=True) if not h.names >= best.names and not h.names <= best.names]
+    own = best.score + _prior(best)
+    features = {
+        "gap": float(np.sqrt(energy) / floor),
+        "left_to_noise": float(np.sqrt(left) / floor),
+        "left_share": left / gap_power,
+        "margin": float(own - max(rivals)) if rivals else 1e3,
+        "over_null": float(own - max(h.score for h in found if not h.terms)),
+        "effects": float(len(best.terms)),
+        "signal": float(np.std(best.signal) / floor),
+        "recalibrated": float(refit_gain),
+        "closed": 1.0 - (float(np.mean(np.square(after))) - floor**2) / energy,
+        "in_sample_left": float(np.sqrt(max(structured_power(misfit_refit, signals.runs), 0.0)) / floor),
+    }
+    verdict = sorted(best.names, key=lambda name: -float(np.mean(np.square(best.part(name)))))
+    if miscalibrated:
+        verdict.append(MISCALIBRATION)
+    if _nothing(best, miscalibrated, float(np.std(recalibration)), floor):
+        verdict = []
+    elif _inadequate(features):
+        verdict = [UNKNOWN]
+    return Choice(verdict, confidence(CONFIDENCE, verdict, features), best, held, miscalibrated, left / gap_power, features, posterior)
+
+
+def _nothing(best: Hypothesis, miscalibrated: bool, recalibrated: float, floor: float) -> bool:
+    if miscalibrated:
+        return False
+    return not best.terms or float(np.sqrt(np.mean(np.square(best.signal)))) < NEGLIGIBLE * floor
+
+
+def _inadequate(features: dict[str, float]) -> bool:
+    """Whether the best explanation leaves structure that neither noise nor an inexact law accounts for."""
+    return features["in_sample_left"] > 0.45 + 0.03 * features["gap"] or features["closed"] < 0.5
+
+
+def _left_over(evidence: Evidence, hypothesis: Hypothesis) -> Floats:
+    residual = evidence.gap - hypothesis.signal[evidence.rows]
+    return residual - evidence.absorbed(residual, hypothesis.scale)[evidence.rows]
+
+
+def _simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) -> Hypothesis:
+    """The best hypothesis, less the effects that are not worth naming, general effects replaced by special cases.
+
+    Whether an effect alone is better than none is for the evidence to say; here only company is judged.
+    """
+    top = best = ranked[0]
+    by_names: dict[frozenset[str], Hypothesis] = {}
+    for hypothesis in ranked:
+        by_names.setdefault(hypothesis.names, hypothesis)
+
+    def beside_same_simulator(names: frozenset[str]) -> tuple[Hypothesis | None, float]:
+        known = by_names.get(names)
+        if known is None:
+            return None, np.inf
+        fitted = evidence.fit(known.terms, (top.scale,))
+        fitted.by_scale = known.by_scale
+        return fitted, (fitted.rss - top.rss) / evidence.size / energy
+
+    changed = True
+    while changed:
+        changed = False
+        options: list[tuple[float, Hypothesis]] = []
+        for name in best.names:
+            if len(best.names) > 1:
+                size = float(np.mean(np.square(best.part(name)))) / energy
+                smaller, loss = beside_same_simulator(best.names - {name})
+                if smaller is not None and (loss < WORTH_AT_LEAST or (loss < WORTH and size < 3.0 * WORTH)):
+                    options.append((loss, smaller))
+            for special in next(term.effect for term in best.terms if term.effect.id == name).contains:
+                other, loss = beside_same_simulator((best.names - {name}) | {special})
+                if other is not None and loss < CONTAINED:
+                    options.append((loss, other))
+        if options:
+            best, changed = min(options, key=lambda option: option[0])[1], True
+    return best
