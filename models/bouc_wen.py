@@ -40,6 +40,8 @@ def _initial_state(capacity: int) -> Floats:
 @njit(cache=True)
 def _flow(q, d, a, c_pos, c_neg, n):
     """q after the distance ``d`` along dq/dd = a − c |q|^n, with c = c_pos for q > 0 and c_neg for q < 0."""
+    if not np.isfinite(q):
+        return q
     if a > 0.0 and (n == 1.0 or n == 2.0):
         # Closed form. q rises through zero at most once: first up to there with c_neg, then on with c_pos.
         for side in range(2):
@@ -79,7 +81,9 @@ def _flow(q, d, a, c_pos, c_neg, n):
                         d -= to_zero
                         continue
                 t = np.tanh(root * d)
-                return (q + level * t) / (1.0 + q * t / level)
+                # Below −level, where nothing holds it, the state reaches minus infinity.
+                below = 1.0 + q * t / level
+                return (q + level * t) / below if below > 0.0 else -np.inf
             angle = np.arctan(q / level)
             if side == 0 and d >= -angle / root:
                 d += angle / root
@@ -193,7 +197,7 @@ class BoucWen(HysteresisModel):
         # Very different parameters give nearly the same loop: refine the best few, keep the best of them.
         for k in np.argsort(costs, kind="stable")[:4]:
             found = least_squares(
-                _residuals, points[k], bounds=(lower, upper), x_scale=(1.0, 0.5, 0.5), args=(thinned,)
+                _residuals, points[k], bounds=(lower, upper), x_scale=(1.0, 0.5, 0.5), ftol=1e-5, args=(thinned,)
             )
             if best is None or found.cost < best.cost:
                 best = found
