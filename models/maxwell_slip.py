@@ -560,24 +560,21 @@ def _closed_loop(rising: tuple[Floats, Floats], falling: tuple[Floats, Floats], 
     target = np.concatenate([rising[1], falling[1]])
     values = np.linalg.lstsq(design, target, rcond=None)[0]
     ordinates = (values[:m], np.concatenate([values[:1], values[m:], values[m - 1 : m]]))
-    branches = []
-    for grid, ordinate in zip(grids, ordinates, strict=True):
-        branches.append(np.column_stack([grid, _increasing(ordinate)]))
-    # The ends must stay shared after the correction.
-    branches[1][[0, -1]] = branches[0][[0, -1]]
-    branches[1][:, 1] = _increasing(np.clip(branches[1][:, 1], branches[0][0, 1], branches[0][-1, 1]), fixed=True)
-    return branches[0], branches[1]
+    # Where force follows speed a branch bends back before its end; the nearest rising curve is what the model can hold.
+    monotone = [isotonic_regression(ordinate).x for ordinate in ordinates]
+    bottom, top = min(curve[0] for curve in monotone), max(curve[-1] for curve in monotone)
+    for curve in monotone:
+        curve[[0, -1]] = bottom, top
+    rising_curve, falling_curve = (
+        np.column_stack([grid, _drawn_apart(curve)]) for grid, curve in zip(grids, monotone, strict=True)
+    )
+    return rising_curve, falling_curve
 
 
-def _increasing(values: Floats, fixed: bool = False) -> Floats:
-    """The nearest values that increase strictly; with ``fixed`` both end values are kept."""
-    result = isotonic_regression(values).x
-    if fixed:
-        result = np.clip(result, values[0], values[-1])
-        result[[0, -1]] = values[[0, -1]]
-    # Equal neighbours are drawn apart by a slope that no recording can tell from flat.
-    flat = 1e-6 * max(float(np.ptp(values)), 1e-300) * np.arange(result.size) / result.size
-    return (result - result[0]) * (1.0 - (flat[-1] / max(float(np.ptp(result)), flat[-1]))) + result[0] + flat
+def _drawn_apart(values: Floats) -> Floats:
+    """Values that rise, made to rise strictly by a slope that no recording can tell from flat; the ends are kept."""
+    share = 1e-6
+    return (1.0 - share) * values + share * np.linspace(values[0], values[-1], values.size)
 
 
 def _assemble(upper: Floats, lower: Floats, elements: int, ahead: bool) -> dict[str, Any]:
