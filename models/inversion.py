@@ -53,7 +53,7 @@ def invert_by_search(
     reached = stepper.peek(here)
     for k in range(y.size):
         target = float(y[k])
-        found = _search(stepper, target, here, reached, step, limit, tolerance)
+        found = _search(stepper, target, here, reached, step, limit, tolerance, nearest=k == 0)
         if found is None:
             if not approximate:
                 _, error = _nearest(stepper, target, here, step, limit)
@@ -73,35 +73,56 @@ def invert_by_search(
 
 
 def _search(
-    stepper: Stepper, target: float, here: float, reached: float, step: float, limit: float, tolerance: float
+    stepper: Stepper,
+    target: float,
+    here: float,
+    reached: float,
+    step: float,
+    limit: float,
+    tolerance: float,
+    nearest: bool,
 ) -> float | None:
-    """The nearest input that gives ``target``, the likelier direction first; None if there is none."""
+    """The input that gives ``target``, in the likelier direction or the nearest of both; None if there is none."""
     gap = target - reached
     if abs(gap) <= tolerance * 1e-3:
         return here
     # Outputs normally rise with the input; only where that side fails can the other one hold the answer.
+    best: float | None = None
     for sign in (1.0, -1.0) if gap > 0 else (-1.0, 1.0):
-        inner, inner_gap = here, gap
-        reach = step
-        while True:
-            outer = here + sign * reach
-            if abs(outer) > limit:
-                outer = sign * limit
-                if sign * (outer - inner) <= 0:
-                    break
-            outer_gap = target - stepper.peek(outer)
-            if abs(outer_gap) <= tolerance * 1e-3:
-                return outer
-            if (outer_gap > 0) != (inner_gap > 0):
-                root = _bisect(stepper, target, inner, outer)
-                # A sign change can also be a jump (a branch switch at a turn): then nothing was found here.
-                if abs(target - stepper.peek(root)) <= tolerance:
-                    return root
-            inner, inner_gap = outer, outer_gap
-            if abs(outer) >= limit:
-                break
-            reach *= 2.0
-    return None
+        found = _search_side(stepper, target, here, gap, sign, step, limit, tolerance)
+        if found is None:
+            continue
+        if not nearest:
+            return found
+        if best is None or abs(found - here) < abs(best - here):
+            best = found
+    return best
+
+
+def _search_side(
+    stepper: Stepper, target: float, here: float, gap: float, sign: float, step: float, limit: float, tolerance: float
+) -> float | None:
+    """The first input on one side that gives ``target``, in brackets of doubling length; None if there is none."""
+    inner, inner_gap = here, gap
+    reach = step
+    while True:
+        outer = here + sign * reach
+        if abs(outer) > limit:
+            outer = sign * limit
+            if sign * (outer - inner) <= 0:
+                return None
+        outer_gap = target - stepper.peek(outer)
+        if abs(outer_gap) <= tolerance * 1e-3:
+            return outer
+        if (outer_gap > 0) != (inner_gap > 0):
+            root = _bisect(stepper, target, inner, outer)
+            # A sign change can also be a jump (a branch switch at a turn): then nothing was found here.
+            if abs(target - stepper.peek(root)) <= tolerance:
+                return root
+        inner, inner_gap = outer, outer_gap
+        if abs(outer) >= limit:
+            return None
+        reach *= 2.0
 
 
 def _bisect(stepper: Stepper, target: float, inner: float, outer: float) -> float:
@@ -127,7 +148,9 @@ def _nearest(stepper: Stepper, target: float, here: float, step: float, limit: f
     reaches = np.geomspace(step, 2.0 * limit, CANDIDATES)
     candidates = np.concatenate([[here], here + reaches, here - reaches])
     candidates = candidates[np.abs(candidates) <= max(limit, abs(here))]
-    errors = np.abs(np.array([stepper.peek(float(c)) for c in candidates]) - target)
-    enough = np.flatnonzero(errors <= (1.0 + SLACK) * errors.min())
+    outputs = np.array([stepper.peek(float(c)) for c in candidates])
+    errors = np.abs(outputs - target)
+    # About as near: measured by the least error, but never by more than what the model can do at all.
+    enough = np.flatnonzero(errors <= errors.min() + SLACK * min(errors.min(), float(np.ptp(outputs))))
     chosen = int(enough[np.argmin(np.abs(candidates[enough] - here))])
     return float(candidates[chosen]), float(errors[chosen])

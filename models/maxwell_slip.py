@@ -416,6 +416,8 @@ class MaxwellSlip(HysteresisModel):
                 shape = np.column_stack([np.abs(transition[:, 0] - outer[0]) / length, 1.0 - remaining])
                 if top:
                     shape = shape[::-1]
+                if np.any(np.diff(shape[:, 1]) < -1e-9):
+                    raise InputError(f"parameter {name} must approach the continued curve from vertex to vertex")
             shape[0], shape[-1] = 0.0, 1.0
             shapes.append(np.ascontiguousarray(shape.T))
             slopes.append(mean_slope)

@@ -102,11 +102,12 @@ def fit_vertices(x: Floats, y: Floats, segments: int) -> Floats:
     error = _profile(x, y, vertices)[1]
     # A kink between two bins can cost the programme two vertices: give the least useful one to the worst segment.
     for _ in range(ROUNDS):
-        moved = _refine(x, y, _reallocate(x, y, vertices))
-        better = _profile(x, y, moved)[1]
-        if better >= 0.999 * error:
+        trials = [_refine(x, y, trial) for trial in _reallocations(x, y, vertices)]
+        errors = [_profile(x, y, trial)[1] for trial in trials]
+        best = int(np.argmin(errors))
+        if errors[best] >= 0.999 * error:
             break
-        vertices, error = moved, better
+        vertices, error = trials[best], errors[best]
     return vertices
 
 
@@ -148,15 +149,21 @@ def _refine(x: Floats, y: Floats, vertices: Floats) -> Floats:
     return moved(found.x)
 
 
-def _reallocate(x: Floats, y: Floats, vertices: Floats) -> Floats:
-    """Drop the inner vertex that is missed least and split the segment with the largest error."""
+def _reallocations(x: Floats, y: Floats, vertices: Floats) -> list[Floats]:
+    """The inner vertex that is missed least is dropped, and one of the two segments with the largest errors split."""
     without = [_profile(x, y, np.delete(vertices, k))[1] for k in range(1, vertices.size - 1)]
-    kept = np.delete(vertices, 1 + int(np.argmin(without)))
-    residuals, _ = _profile(x, y, kept)
-    index = np.clip(np.searchsorted(kept, x) - 1, 0, kept.size - 2)
-    worst = int(np.argmax(np.bincount(index, residuals**2, kept.size - 1)))
-    inside = index == worst
-    # The kink lies where the residual of the chord is largest.
-    at = float(x[inside][np.argmax(np.abs(residuals[inside]))])
-    margin = 0.02 * (kept[worst + 1] - kept[worst])
-    return np.insert(kept, worst + 1, np.clip(at, kept[worst] + margin, kept[worst + 1] - margin))
+    dropped = np.delete(vertices, 1 + int(np.argmin(without)))
+    trials = []
+    # Where two vertices shared one kink, the other must move there first, or their kink looks like the worst place.
+    for kept in (dropped, _refine(x, y, dropped)):
+        residuals, _ = _profile(x, y, kept)
+        index = np.clip(np.searchsorted(kept, x) - 1, 0, kept.size - 2)
+        for worst in np.argsort(np.bincount(index, residuals**2, kept.size - 1))[-2:]:
+            inside = index == worst
+            if not np.any(inside):
+                continue
+            # The kink lies where the residual of the chord is largest.
+            at = float(x[inside][np.argmax(np.abs(residuals[inside]))])
+            margin = 0.02 * (kept[worst + 1] - kept[worst])
+            trials.append(np.insert(kept, worst + 1, np.clip(at, kept[worst] + margin, kept[worst + 1] - margin)))
+    return trials

@@ -28,17 +28,22 @@ def printed() -> Any:
     return MaxwellSlip.from_parameters(**PRINTED)
 
 
-def scattered(seed: int) -> Any:
-    """The printed loop with its vertices moved: strictly rising still, closed still."""
+def scattered(seed: int) -> tuple[Any, float]:
+    """The printed loop stretched and with its vertices moved, both branches through the origin still; and its stroke.
+
+    (Transitions are as short as in the print: where they are longer than the stroke no motion ever leaves them.)
+    """
     rng = np.random.default_rng(seed)
-    curves = {name: np.array(sorted(np.asarray(curve).tolist())) for name, curve in PRINTED.items()}
-    for curve in curves.values():
-        for column in (0, 1):
-            gaps = np.diff(curve[:, column])
-            room = 0.2 * np.minimum(gaps[:-1], gaps[1:])
-            curve[1:-1, column] += room * rng.uniform(-1.0, 1.0, room.size)
     stretch = rng.uniform(0.5, 2.0, 2)
-    return MaxwellSlip.from_parameters(**{name: curve * stretch for name, curve in curves.items()}), stretch[0]
+    curves = {}
+    for name, curve in PRINTED.items():
+        moved = np.array(sorted(np.asarray(curve).tolist()))
+        gaps = np.diff(moved, axis=0)
+        room = 0.15 * np.minimum(gaps[:-1], gaps[1:])
+        fixed = (moved[1:-1] == 0.0).all(axis=1, keepdims=True)
+        moved[1:-1] += np.where(fixed, 0.0, room * rng.uniform(-1.0, 1.0, room.shape))
+        curves[name] = moved * stretch
+    return MaxwellSlip.from_parameters(**curves), stretch[0]
 
 
 def test_the_steady_loop_passes_every_vertex_of_tables_1_and_2() -> None:
@@ -106,7 +111,7 @@ def test_the_inverse_of_arbitrary_torques_and_beyond_its_reach() -> None:
         model.invert([0.0, 500.0])
     near = model.predict(model.invert([0.0, 500.0], approximate=True))
     assert near[0] == pytest.approx(0.0, abs=1e-9)
-    assert near[1] > 5.0
+    assert near[1] > 2.5
 
 
 def test_geometry_maps_the_deflection_by_equation_6() -> None:
