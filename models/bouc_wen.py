@@ -151,8 +151,9 @@ def _run(x, state, params, out):
 
 
 class BoucWen(HysteresisModel):
-    """Bouc-Wen: y = alpha·stiffness·x + (1 − alpha)·stiffness·z + offset, dz = [A − |z|^n (beta sgn(dx z) + gamma)] dx.
+    """Bouc-Wen: an elastic spring beside a hysteretic one whose state z obeys a differential equation in x.
 
+    ``y = alpha·stiffness·x + (1 − alpha)·stiffness·z + offset``, ``dz = [A − |z|^n (beta sgn(dx z) + gamma)] dx``.
     The state z is 0 at the first sample. Integration is exact for n = 1 and n = 2 (with A > 0); otherwise its error
     stays below 1e-6 of the range, whatever the sampling.
 

@@ -15,6 +15,7 @@ import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -51,7 +52,7 @@ class Case:
         rng = np.random.default_rng(self.seed)
         sizes = np.concatenate([[1.0, 1.0], np.sort(rng.uniform(0.2, 1.0, 8))[::-1], [0.9]])
         turns = np.concatenate([[0.0], sizes * np.where(np.arange(sizes.size) % 2 == 0, 1.0, -1.0)])
-        pieces = [a + (b - a) * np.arange(48) / 48.0 for a, b in zip(turns[:-1], turns[1:], strict=True)]
+        pieces = [a + (b - a) * np.arange(48) / 48.0 for a, b in pairwise(turns)]
         x = np.concatenate([*pieces, turns[-1:]])
         y = 3.0 * x + 0.2 * x**2 + 0.6 * x**3
         for width, stiffness in ((0.05, 4.0), (0.12, 2.0), (0.25, 1.0)):

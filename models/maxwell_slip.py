@@ -47,6 +47,9 @@ CLOSING = 0.05
 TIE = 0.02
 """Divisions of the loop whose training errors differ by less than this fraction count as equal."""
 
+OVERSHOOT = 0.01
+"""A transition may pass the curve that it joins by this fraction of the gap (rounding, noise); the rest is an error."""
+
 # State: stored turning points, last input, last output, last direction, started, gap and length of the base
 # transition; then the turning points (x, y).
 _COUNT, _X, _Y, _DIRECTION, _STARTED, _GAP, _LENGTH, _STACK = 0, 1, 2, 3, 4, 5, 6, 7
@@ -200,10 +203,14 @@ def _next_vertex(state, params):
         at_x = state[_STACK + 2 * n - 2]
         shape = shape_pos if at_x >= 0.0 else shape_neg
         length = state[_LENGTH] if n == 1 else abs(state[_STACK + 2 * n - 4] - at_x)
-        for k in range(1, shape.shape[1]):
+        last = shape.shape[1] if n == 1 else shape.shape[1] - 1
+        for k in range(1, last):
             distance = direction * (at_x - x) + shape[0, k] * length
             if distance > reached:
                 ahead = min(ahead, distance)
+    if n >= 2 and direction * (state[_STACK + 2 * n - 4] - x) <= ahead:
+        # To the bit, for only from there on the interrupted path resumes.
+        return state[_STACK + 2 * n - 4]
     return x + direction * ahead
 
 
@@ -235,6 +242,9 @@ def _invert(y, state, params, out, reach):
                 x1 = direction * reach
                 if direction * (x1 - x0) <= 0.0:
                     return i
+            if abs(x1 - x0) <= 1e-13 * reach:
+                _advance(x1, state, params)
+                continue
             y1 = _advance(x1, state.copy(), params)
             if direction * (y1 - y0) <= 0.0:
                 return i
@@ -416,8 +426,12 @@ class MaxwellSlip(HysteresisModel):
                 shape = np.column_stack([np.abs(transition[:, 0] - outer[0]) / length, 1.0 - remaining])
                 if top:
                     shape = shape[::-1]
-                if np.any(np.diff(shape[:, 1]) < -1e-9):
+                closed = shape[:, 1].copy()
+                shape[:, 1] = np.maximum.accumulate(np.clip(closed, 0.0, 1.0))
+                if np.max(np.abs(shape[:, 1] - closed)) > OVERSHOOT:
                     raise InputError(f"parameter {name} must approach the continued curve from vertex to vertex")
+                # Rising strictly, so that minor loops of this shape have an inverse.
+                shape[:, 1] += 1e-6 * (shape[:, 0] - shape[:, 1])
             shape[0], shape[-1] = 0.0, 1.0
             shapes.append(np.ascontiguousarray(shape.T))
             slopes.append(mean_slope)

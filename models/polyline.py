@@ -100,9 +100,14 @@ def fit_vertices(x: Floats, y: Floats, segments: int) -> Floats:
         return np.array([low, high])
     vertices = _refine(x, y, bx[_segment(bx, by, weight, segments)])
     error = _profile(x, y, vertices)[1]
+    distinct = np.unique(x)
     # A kink between two bins can cost the programme two vertices: give the least useful one to the worst segment.
     for _ in range(ROUNDS):
-        trials = [_refine(x, y, trial) for trial in _reallocations(x, y, vertices)]
+        refined = [_refine(x, y, trial) for trial in _reallocations(x, y, vertices)]
+        # Between samples vertices may bunch where nothing holds their ordinates.
+        trials = [trial for trial in refined if np.all(np.diff(np.searchsorted(distinct, trial)) >= 1)]
+        if not trials:
+            break
         errors = [_profile(x, y, trial)[1] for trial in trials]
         best = int(np.argmin(errors))
         if errors[best] >= 0.999 * error:

@@ -97,7 +97,9 @@ def _plays(x, thresholds, out):
             out[i, j] = p
 
 
-def _kernel_parameters(weights: Floats, thresholds: Floats, offset: float) -> tuple[Floats, Floats, Floats, float, float]:
+def _kernel_parameters(
+    weights: Floats, thresholds: Floats, offset: float
+) -> tuple[Floats, Floats, Floats, float, float]:
     """Prefix sums that make the initial loading curve one multiply-add, and the grid step if thresholds are uniform."""
     steps = np.diff(thresholds)
     uniform = steps.size > 0 and np.allclose(steps, steps[0], rtol=1e-9, atol=0.0)

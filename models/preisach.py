@@ -202,7 +202,9 @@ class Preisach(HysteresisModel):
 
     id: ClassVar[str] = "preisach"
     title: ClassVar[str] = "Preisach"
-    summary: ClassVar[str] = "relays over a triangle of thresholds; any loop shape with wiping-out and congruent minor loops"
+    summary: ClassVar[str] = (
+        "relays over a triangle of thresholds; any loop shape with wiping-out and congruent minor loops"
+    )
     source: ClassVar[str] = "Mayergoyz 1991"
 
     def __init__(self, levels: int = 24, signs: str = "auto", smoothing: float = 1e-5) -> None:
@@ -247,7 +249,9 @@ class Preisach(HysteresisModel):
         weights, offset = self._solve(design, target, alpha, beta, self._choose_signs(runs))
         idle = float(np.mean(np.ptp(design, axis=0) < 1e-9))
         if idle > 0.0:
-            self.notes_.append(f"{idle:.0%} of the cells never change in this recording; their weights are not identified")
+            self.notes_.append(
+                f"{idle:.0%} of the cells never change in this recording; their weights are not identified"
+            )
         return {"alpha": alpha, "beta": beta, "weights": weights, "offset": offset, "width": width}
 
     def _choose_signs(self, runs: Sequence[Run]) -> str:
@@ -256,7 +260,9 @@ class Preisach(HysteresisModel):
         work = sum(float(np.sum(0.5 * (run.y[1:] + run.y[:-1]) * np.diff(run.x))) for run in runs)
         # What a reversible curve stores between first and last sample is no sense of rotation.
         slope = np.polyfit(np.concatenate([r.x for r in runs]), np.concatenate([r.y for r in runs]), 1)
-        work -= sum(float(np.polyval(np.polyint(slope), run.x[-1]) - np.polyval(np.polyint(slope), run.x[0])) for run in runs)
+        work -= sum(
+            float(np.polyval(np.polyint(slope), run.x[-1]) - np.polyval(np.polyint(slope), run.x[0])) for run in runs
+        )
         chosen = "clockwise" if work > 0.0 else "nonnegative"
         self.notes_.append(f"loops run {'clockwise' if work > 0.0 else 'counter-clockwise'}: signs = {chosen!r}")
         return chosen
@@ -314,10 +320,18 @@ class Preisach(HysteresisModel):
                 places = values / width - 0.5
                 if np.any(np.abs(places - np.round(places)) > 1e-6):
                     raise InputError(f"parameter {name}: with width > 0 the cells must be centred at (k + 1/2) width")
-        return {"alpha": alpha, "beta": beta, "weights": weights, "offset": parameter_number("offset", offset), "width": width}
+        return {
+            "alpha": alpha,
+            "beta": beta,
+            "weights": weights,
+            "offset": parameter_number("offset", offset),
+            "width": width,
+        }
 
     @staticmethod
-    def _kernel_parameters(alpha: Floats, beta: Floats, weights: Floats, offset: float, width: float) -> tuple[Any, ...]:
+    def _kernel_parameters(
+        alpha: Floats, beta: Floats, weights: Floats, offset: float, width: float
+    ) -> tuple[Any, ...]:
         if width == 0.0:
             return _relay_parameters(alpha, beta, weights, offset)
         half = int(np.round(max(np.abs(alpha).max(), np.abs(beta).max()) / width + 0.5))
@@ -333,10 +347,22 @@ class Preisach(HysteresisModel):
     def _check_conditions(self) -> list[Condition]:
         p = self.parameters_
         off = p["weights"][p["alpha"] > p["beta"]]
-        told = f"weights off the diagonal from {off.min():.4g} to {off.max():.4g}" if off.size else "no weight off the diagonal"
+        told = (
+            f"weights off the diagonal from {off.min():.4g} to {off.max():.4g}"
+            if off.size
+            else "no weight off the diagonal"
+        )
         return [
-            Condition("every closed loop runs clockwise (dissipates): no positive weight off the diagonal", bool(np.all(off <= 0.0)), told),
-            Condition("every closed loop runs counter-clockwise: no negative weight off the diagonal", bool(np.all(off >= 0.0)), told),
+            Condition(
+                "every closed loop runs clockwise (dissipates): no positive weight off the diagonal",
+                bool(np.all(off <= 0.0)),
+                told,
+            ),
+            Condition(
+                "every closed loop runs counter-clockwise: no negative weight off the diagonal",
+                bool(np.all(off >= 0.0)),
+                told,
+            ),
         ]
 
     # ---- evaluation ------------------------------------------------------------------------------------------------

@@ -28,6 +28,8 @@ def nrmse(found: Floats, wanted: Floats) -> float:
     return float(np.sqrt(np.mean((found - wanted) ** 2)) / np.ptp(wanted))
 
 
-def turning_points(low: float = -1.0, high: float = 1.0, least: int = 2, most: int = 12) -> st.SearchStrategy[list[float]]:
+def turning_points(
+    low: float = -1.0, high: float = 1.0, least: int = 2, most: int = 12
+) -> st.SearchStrategy[list[float]]:
     """Hypothesis: lists of inputs on a grid, so that returns to earlier inputs and pauses occur."""
     return st.lists(st.integers(0, 40).map(lambda k: low + (high - low) * k / 40.0), min_size=least, max_size=most)

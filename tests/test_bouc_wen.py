@@ -17,7 +17,7 @@ BoucWen = models.get("bouc-wen")
 TURNS = [0.0, 1.0, -1.0, 0.8, -0.6, 0.5, -0.3, 0.9, -0.2]
 
 
-def reference(x: Floats, A: float, beta: float, gamma: float, n: float) -> Floats:  # noqa: N803
+def reference(x: Floats, A: float, beta: float, gamma: float, n: float) -> Floats:
     """The state by DOP853 between samples, cut at its zeros, where the right-hand side is not smooth."""
     z, out = 0.0, [0.0]
     for before, now in zip(x[:-1].tolist(), x[1:].tolist(), strict=True):
@@ -42,7 +42,9 @@ def reference(x: Floats, A: float, beta: float, gamma: float, n: float) -> Float
 
 @pytest.mark.parametrize("n", [1.0, 1.5, 2.0, 4.7])
 @pytest.mark.parametrize(("beta", "gamma"), [(3.0, 1.0), (3.0, -1.0), (2.0, 2.0), (1.0, 3.0), (5.0, -2.0)])
-def test_integration_error_is_below_1e_6_of_the_range_however_coarse_the_sampling(beta: float, gamma: float, n: float) -> None:
+def test_integration_error_is_below_1e_6_of_the_range_however_coarse_the_sampling(
+    beta: float, gamma: float, n: float
+) -> None:
     model = BoucWen.from_parameters(stiffness=2.0, alpha=0.0, A=1.2, beta=beta, gamma=gamma, n=n)
     coarse = through(TURNS, 2)
     wanted = 2.0 * reference(coarse, 1.2, beta, gamma, n)
@@ -158,7 +160,8 @@ def test_beyond_saturation_there_is_no_inverse() -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "told"), [({"n": 0.5}, "n must be at least 1"), ({"beta": [1.0]}, "beta must have shape"), ({"A": np.nan}, "A has")]
+    ("change", "told"),
+    [({"n": 0.5}, "n must be at least 1"), ({"beta": [1.0]}, "beta must have shape"), ({"A": np.nan}, "A has")],
 )
 def test_bad_parameters_are_named(change: dict[str, Any], told: str) -> None:
     good = {"stiffness": 2.0, "alpha": 0.3, "A": 1.0, "beta": 3.0, "gamma": 1.0, "n": 1.5}

@@ -68,7 +68,9 @@ def test_noise_does_not_switch_the_branches() -> None:
     y = direct(x)
     model = Cubic().fit(noisy, y + 0.02 * rng.normal(size=x.size))
     assert 4e-3 < model.parameters_["dead_band"] < 2e-2
-    assert nrmse(model.predict(noisy), y) < 0.25 * nrmse(Cubic.from_parameters(ascending=UP, descending=DOWN).predict(noisy), y)
+    assert nrmse(model.predict(noisy), y) < 0.25 * nrmse(
+        Cubic.from_parameters(ascending=UP, descending=DOWN).predict(noisy), y
+    )
     np.testing.assert_allclose(model.parameters_["ascending"], UP, atol=0.05)
     clean = through(NESTED, 200)
     assert nrmse(model.predict(clean), direct(clean)) < 0.01

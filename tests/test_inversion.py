@@ -83,7 +83,9 @@ def test_a_jump_is_not_taken_for_a_root() -> None:
 @pytest.mark.parametrize("name", ["maxwell-slip", "choi-backlash", "prandtl-ishlinskii"])
 def test_closed_forms_and_search_agree(name: str) -> None:
     x = through([0.0, 1.0, -1.0, 0.9, -0.7, 0.6], 100)
-    y = 3.0 * x + 0.4 * models.get("prandtl-ishlinskii").from_parameters(weights=[1, -1], thresholds=[0, 0.1]).predict(x)
+    y = 3.0 * x + 0.4 * models.get("prandtl-ishlinskii").from_parameters(weights=[1, -1], thresholds=[0, 0.1]).predict(
+        x
+    )
     model = models.get(name)().fit(x, y)
     wanted = model.predict(through([0.0, *NESTED[1:8]], 20) * 0.9)
     exact = model.invert(wanted)

@@ -107,7 +107,9 @@ def test_the_inverse_of_arbitrary_torques_and_beyond_its_reach() -> None:
     y = through([0.0, 4.9, -5.5, 3.0, 1.0, 2.5, -4.0, 0.0], 101)
     x = model.invert(y)
     np.testing.assert_allclose(model.predict(x), y, atol=1e-6)
-    with pytest.raises(models.InverseError, match=r"no input within .* gives the output y\[1\] = 500.*approximate=True"):
+    with pytest.raises(
+        models.InverseError, match=r"no input within .* gives the output y\[1\] = 500.*approximate=True"
+    ):
         model.invert([0.0, 500.0])
     near = model.predict(model.invert([0.0, 500.0], approximate=True))
     assert near[0] == pytest.approx(0.0, abs=1e-9)

@@ -76,89 +76,89 @@ def test_a_model_with_fit_and_predict_only_can_pass() -> None:
 class _Defects:
     """One defect each, mixed into a model that passes; the key is the check that must notice."""
 
-    class hyperparameters_round_trip:  # noqa: N801
+    class hyperparameters_round_trip:
         def __init__(self, operators: int = 40) -> None:
             super().__init__(operators=operators)
             self.operators = 2 * operators
 
-    class unfitted_predict_raises:  # noqa: N801
+    class unfitted_predict_raises:
         def predict(self, x: Any, groups: Any = None) -> Any:
             return super().predict(x, groups) if hasattr(self, "parameters_") else np.zeros(len(x))
 
-    class fit_returns_self:  # noqa: N801
+    class fit_returns_self:
         def fit(self, x: Any, y: Any, groups: Any = None) -> None:
             super().fit(x, y, groups)
 
-    class predict_is_finite_and_shaped:  # noqa: N801
+    class predict_is_finite_and_shaped:
         def predict(self, x: Any, groups: Any = None) -> Any:
             return super().predict(x, groups)[:, None]
 
-    class fit_and_predict_keep_their_inputs:  # noqa: N801
+    class fit_and_predict_keep_their_inputs:
         def fit(self, x: Any, y: Any, groups: Any = None) -> Any:
             super().fit(x, y, groups)
             y[:] = 0.0
             return self
 
-    class predict_is_stateless:  # noqa: N801
+    class predict_is_stateless:
         other = 0
 
         def predict(self, x: Any, groups: Any = None) -> Any:
             self.other += len(x) == 100
             return super().predict(x, groups) + 1e-12 * self.other
 
-    class predict_is_causal:  # noqa: N801
+    class predict_is_causal:
         def predict(self, x: Any, groups: Any = None) -> Any:
             return super().predict(x, groups) + 1e-3 * x[-1]
 
-    class arrays_of_any_kind_work:  # noqa: N801
+    class arrays_of_any_kind_work:
         def predict(self, x: Any, groups: Any = None) -> Any:
             return super().predict(x.astype(float), groups)
 
-    class groups_restart_the_memory:  # noqa: N801
+    class groups_restart_the_memory:
         def predict(self, x: Any, groups: Any = None) -> Any:
             return super().predict(x)
 
-    class sampling_does_not_matter:  # noqa: N801
+    class sampling_does_not_matter:
         def _predict_run(self, x: Any) -> Any:
             return super()._predict_run(x) + 1e-3 * np.diff(x, prepend=x[0])
 
-    class stepper_equals_predict:  # noqa: N801
+    class stepper_equals_predict:
         def stepper(self) -> Any:
             stepper = super().stepper()
             stepper.step(1.5)
             return stepper
 
-    class steppers_are_independent:  # noqa: N801
+    class steppers_are_independent:
         def stepper(self) -> Any:
             if not hasattr(self, "shared"):
                 self.shared = super().stepper()
             return self.shared
 
-    class peek_does_not_move:  # noqa: N801
+    class peek_does_not_move:
         def stepper(self) -> Any:
             stepper = super().stepper()
             stepper.peek = stepper.step
             return stepper
 
-    class inverse_is_exact:  # noqa: N801
+    class inverse_is_exact:
         def invert(self, y: Any, groups: Any = None, x0: float = 0.0) -> Any:
             return np.asarray(y) / 3.0
 
-    class parameters_make_the_same_model:  # noqa: N801
+    class parameters_make_the_same_model:
         @classmethod
         def from_parameters(cls, **parameters: Any) -> Any:
             return super().from_parameters(**{**parameters, "offset": 0.1})
 
-    class files_keep_every_bit:  # noqa: N801
+    class files_keep_every_bit:
         def save(self, path: Any) -> None:
             self.parameters_["weights"] = np.round(self.parameters_["weights"], 12)
             super().save(path)
 
-    class bad_input_is_a_value_error:  # noqa: N801
+    class bad_input_is_a_value_error:
         def predict(self, x: Any, groups: Any = None) -> Any:
             return super().predict(np.nan_to_num(x), groups)
 
-    class extreme_values_never_give_nan:  # noqa: N801
+    class extreme_values_never_give_nan:
         def predict(self, x: Any, groups: Any = None) -> Any:
             y = super().predict(x, groups)
             return np.where(np.abs(y) > 1e200, np.nan, y)
@@ -179,6 +179,8 @@ def test_an_unexpected_exception_names_the_check() -> None:
         def predict(self, x: Any, groups: Any = None) -> Any:
             raise KeyError("first line\nsecond line")
 
-    with pytest.raises(conformance.ConformanceError, match=r"^Raises fails unfitted_predict_raises: KeyError") as caught:
+    with pytest.raises(
+        conformance.ConformanceError, match=r"^Raises fails unfitted_predict_raises: KeyError"
+    ) as caught:
         models.check_model(Raises)
     assert "\n" not in str(caught.value)
