@@ -165,6 +165,8 @@ class ChoiBacklash(HysteresisModel):
         Samples nearer than this fraction of the stroke to the last turn are taken as transition at first (the source
         leaves out 0.05 rad); afterwards those that the model itself sees on a line.
 
+    Notes
+    -----
     ``from_parameters`` takes ``ascending_pos``, ``ascending_neg``, ``descending_pos``, ``descending_neg``
     (coefficients in increasing powers, any degree), ``slope_pos``, ``slope_neg``, and optionally ``stroke`` (2,),
     outside which the curves continue with their end slopes.
