@@ -166,6 +166,8 @@ class BoucWen(HysteresisModel):
     seed : int
         Seed of the global search.
 
+    Notes
+    -----
     ``from_parameters`` takes ``stiffness``, ``alpha``, ``A``, ``beta``, ``gamma``, ``n`` and optionally ``offset``.
     """
 

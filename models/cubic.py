@@ -72,6 +72,8 @@ class Cubic(HysteresisModel):
         The input has turned once it came back by more than this. None: eight times the input's noise, so that noise
         does not switch branches.
 
+    Notes
+    -----
     ``from_parameters`` takes ``ascending`` (4,) and ``descending`` (4,), coefficients in increasing powers, and
     optionally ``dead_band`` (0 unless given).
     """

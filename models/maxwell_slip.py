@@ -277,6 +277,8 @@ class MaxwellSlip(HysteresisModel):
         (l1, l3, x0): the input is the deflection θ and is first mapped to the virtual deformation h(θ) of Eq. 6.
         None: the input is the virtual deformation itself.
 
+    Notes
+    -----
     ``from_parameters`` takes ``ascending`` (m, 2), ``descending`` (m, 2), ``transition_pos`` (N+1, 2) and
     ``transition_neg`` (N+1, 2): vertices (x, y) in any order, as Tables 1 and 2 print them, and optionally
     ``geometry`` (3,). A transition joins the ends of the two curves; it may continue the curve that motion follows

@@ -125,6 +125,8 @@ class PrandtlIshlinskii(HysteresisModel):
         With ``"invertible"``: smallest partial sum, as a fraction of the loop's mean slope. The inverse is as steep as
         this is small.
 
+    Notes
+    -----
     ``from_parameters`` takes ``weights`` (N,), ``thresholds`` (N,) increasing from 0, and optionally ``offset``.
     """
 

@@ -197,6 +197,8 @@ class Preisach(HysteresisModel):
         Weight of the penalty on differences between the weights of neighbouring cells, which settles what the recording
         does not tell: between its turning points the density is interpolated.
 
+    Notes
+    -----
     ``from_parameters`` takes ``alpha`` (M,), ``beta`` (M,), ``weights`` (M,), ``offset`` and optionally ``width``.
     """
 
