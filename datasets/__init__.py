@@ -18,6 +18,7 @@ __all__ = [
     "get",
     "ids",
     "registry",
+    "source",
 ]
 
 
@@ -33,6 +34,24 @@ registry: Registry[type[Any]] = Registry(
 def get(name: str) -> type[Any]:
     """Return the dataset class registered under ``name``; raises UnknownDatasetError if there is none."""
     return registry.get(name)
+
+
+def source(name: str) -> Any:
+    """The dataset source that ``name`` means: a registered one by its id, or a recording in a file by its path.
+
+    Raises
+    ------
+    UnknownDatasetError
+        If it is no id and does not look like a file.
+    """
+    try:
+        return get(name)()
+    except UnknownDatasetError:
+        from .user_recording import UserRecording, is_file
+
+        if not is_file(name):
+            raise
+        return UserRecording(name)
 
 
 def ids() -> list[str]:

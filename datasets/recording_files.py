@@ -23,6 +23,7 @@ __all__ = [
     "DEFAULT_X",
     "DEFAULT_Y",
     "MINIMUM_ROWS",
+    "SUFFIXES",
     "Columns",
     "read_columns",
     "read_recording",
@@ -34,6 +35,7 @@ DEFAULT_TIME = "time_s"
 DEFAULT_X = "deflection_rad"
 DEFAULT_Y = "torque_nm"
 MINIMUM_ROWS = 8
+SUFFIXES = (".csv", ".txt", ".tsv", ".parquet", ".npz", ".mat")
 SEPARATORS = {",": "comma", ";": "semicolon", "\t": "tab"}
 
 
@@ -220,19 +222,18 @@ class _Table:
 
 
 def _read_table(path: Path) -> _Table:
-    readers = dict.fromkeys((".csv", ".txt", ".tsv"), _read_csv)
-    readers |= {".parquet": _read_parquet, ".npz": _read_npz, ".mat": _read_mat}
     if path.is_dir():
         raise InputError(f"{path}: is a folder; name a file in it")
     if not path.exists():
         near = difflib.get_close_matches(path.name, [p.name for p in path.parent.glob("*")], n=1)
         hint = f"; did you mean {near[0]}?" if near else "; check the path"
         raise InputError(f"{path}: no such file{hint}")
-    if path.suffix.lower() not in readers:
+    if path.suffix.lower() not in SUFFIXES:
         raise InputError(f"{path}: unknown suffix {path.suffix!r}; give .csv, .parquet, .npz or .mat")
     if path.stat().st_size == 0:
         raise InputError(f"{path}: the file is empty; give a recording with a header and at least {MINIMUM_ROWS} rows")
-    return readers[path.suffix.lower()](path)
+    readers = {".parquet": _read_parquet, ".npz": _read_npz, ".mat": _read_mat}
+    return readers.get(path.suffix.lower(), _read_csv)(path)
 
 
 def _read_csv(path: Path) -> _Table:
