@@ -23,11 +23,14 @@ __all__ = ["Evidence", "Hypothesis", "Term", "boxed_least_squares"]
 
 Floats = NDArray[np.float64]
 Scale = tuple[float, float]
-SCALES: tuple[Scale, ...] = (
-    (0.0, 0.0), (0.005, 0.0), (0.01, 0.0), (0.02, 0.0), (0.06, 0.0),
-    (0.005, 0.03), (0.01, 0.03), (0.02, 0.03), (0.06, 0.03), (0.06, 0.1),
-)  # fmt: skip
-"""Relative errors (s, c) of the simulator's fine structure and of its bulk parameters."""
+PLAUSIBILITY: dict[Scale, float] = {
+    (0.0, 0.0): 0.0, (0.005, 0.0): 0.0, (0.01, 0.0): 0.0, (0.02, 0.0): 0.0, (0.06, 0.0): -12.0,
+    (0.005, 0.03): -2.0, (0.01, 0.03): -2.0, (0.02, 0.03): -2.0, (0.06, 0.03): -2.0,
+    (0.02, 0.1): -6.0, (0.06, 0.1): -6.0, (0.15, 0.1): -25.0,
+}  # fmt: skip
+"""Relative errors (s, c) of the simulator's fine structure and of its bulk parameters, with the logarithm of their
+prior odds: a loop that is badly off in detail but exact in bulk is implausible, and so are errors beyond a tenth."""
+SCALES: tuple[Scale, ...] = tuple(PLAUSIBILITY)
 INADEQUACY = 0.04
 """No listed law is exact: what is left over within this share of the gap's RMS is not held against an effect."""
 ORDER = {INPUT: 0, TORQUE: 1, SENSOR: 2}
@@ -201,7 +204,8 @@ class Evidence:
         """Logarithm of the evidence up to a constant; arrays of ``rss`` give arrays."""
         effective = self.thinning * self.size
         misfit = np.maximum(np.asarray(rss) / self.size, 1e-4 * self.sigma**2) + self.inadequacy
-        return -0.5 * effective * np.log(misfit) - self.complexity(scale) - 0.5 * unknowns * np.log(max(effective, 3.0))
+        freedom = self.complexity(scale) - PLAUSIBILITY[scale]
+        return -0.5 * effective * np.log(misfit) - freedom - 0.5 * unknowns * np.log(max(effective, 3.0))
 
     def reduced(self, gram: Floats, moment: Floats, energy: float, inside: Floats, scale: Scale) -> tuple[Floats, Floats, float]:
         """Whitened Φ'V⁻¹Φ, Φ'V⁻¹r and r'V⁻¹r from the plain products and Φ's tangent components ``inside``."""

@@ -14,7 +14,7 @@ __all__ = ["HeldOut", "closed_share", "held_out"]
 
 Floats = NDArray[np.float64]
 FOLDS = 5
-BLOCKS_A_FOLD = 6
+BLOCKS_A_FOLD = 12
 MARGIN = 0.1
 """Part of a block's length that is left out of the fit on either side of it, so that memory does not leak."""
 RESAMPLES = 400

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +21,10 @@ class Library:
     def __init__(self, evidence: Evidence, effects: Sequence[Effect]) -> None:
         self.evidence = evidence
         self.terms: list[Term] = []
-        self.groups: list[tuple[str, list[int]]] = []
-        """Terms of one law, which have the same number of columns and bounds: (effect id, term numbers)."""
+        self._laws: list[list[int]] = []
+        """Numbers of the terms of each law."""
+        self._alike: dict[tuple[object, ...], list[int]] = {}
+        """Numbers of terms with the same bounds and number of unknowns, whose fits are one batch."""
         self.slices: list[slice] = []
         made: list[Floats] = []
         start = 0
@@ -39,12 +41,37 @@ class Library:
                     made.append(columns)
                     start += columns.shape[1]
                 if numbers:
-                    self.groups.append((effect.id, numbers))
-        matrix = np.hstack(made)
+                    self._laws.append(numbers)
+                    key = (tuple(form.lower), tuple(form.upper), len(form.shapes))
+                    self._alike.setdefault(key, []).extend(numbers)
+        self._matrix = matrix = np.hstack(made)
         self._gram = matrix.T @ matrix
         self._moment = matrix.T @ evidence.gap
         self._inside = evidence.inside(matrix)
         self._by_scale: dict[Scale, tuple[Floats, Floats, float]] = {}
+
+    def add(self, terms: Sequence[Term]) -> tuple[int, ...]:
+        """Take in terms with refined shapes and return their numbers, so that sets can grow from them.
+
+        They are no candidates for extension themselves.
+        """
+        made, start = [self._matrix], self._matrix.shape[1]
+        numbers = []
+        for term in terms:
+            columns = term.form.columns(self.evidence.scene, term.shape)[self.evidence.rows]
+            numbers.append(len(self.terms))
+            self.terms.append(term)
+            self.slices.append(slice(start, start + columns.shape[1]))
+            made.append(columns)
+            start += columns.shape[1]
+        new = np.hstack(made[1:])
+        across = self._matrix.T @ new
+        self._matrix = np.hstack(made)
+        self._gram = np.block([[self._gram, across], [across.T, new.T @ new]])
+        self._moment = np.concatenate([self._moment, new.T @ self.evidence.gap])
+        self._inside = np.hstack([self._inside, self.evidence.inside(new)])
+        self._by_scale.clear()
+        return tuple(numbers)
 
     def moments(self, scale: Scale) -> tuple[Floats, Floats, float]:
         """Whitened Gram matrix, moments and energy at a scale of parameter errors."""
@@ -53,34 +80,36 @@ class Library:
             self._by_scale[scale] = e.reduced(self._gram, self._moment, e.gap_energy, self._inside, scale)
         return self._by_scale[scale]
 
-    def extend(self, base: Sequence[int], skip: frozenset[str] = frozenset()) -> dict[str, list[tuple[float, tuple[int, ...]]]]:
-        """The best sets made of ``base`` (term numbers) and one more term, by the id of the effect added.
+    def extend(self, base: Sequence[int], scales: Sequence[Scale]) -> list[tuple[float, tuple[int, ...]]]:
+        """The best set made of ``base`` (term numbers) and one more term, for each law of each further effect.
 
-        Each list holds (score, term numbers), one for each law of the effect, best first.
+        Returns (score, term numbers), in no order.
         """
-        found: dict[str, list[tuple[float, tuple[int, ...]]]] = {}
         base_columns = [c for number in base for c in range(self.slices[number].start, self.slices[number].stop)]
         base_terms = [self.terms[number] for number in base]
-        for name, numbers in self.groups:
-            if name in skip or any(term.effect.id == name for term in base_terms):
+        taken = {term.effect.id for term in base_terms}
+        scores = np.full(len(self.terms), -np.inf)
+        for numbers in self._alike.values():
+            chosen = [k for k in numbers if self.terms[k].effect.id not in taken]
+            if not chosen:
                 continue
-            width = self.slices[numbers[0]].stop - self.slices[numbers[0]].start
-            index = np.array([base_columns + list(range(self.slices[k].start, self.slices[k].stop)) for k in numbers])
-            form = self.terms[numbers[0]].form
-            lower = np.array([*(v for t in base_terms for v in t.form.lower), *form.lower])
-            upper = np.array([*(v for t in base_terms for v in t.form.upper), *form.upper])
-            assert index.shape[1] == lower.size == len(base_columns) + width
-            unknowns = count_unknowns([*base_terms, self.terms[numbers[0]]])
-            best = np.full(len(numbers), -np.inf)
-            for scale in SCALES:
+            first = self.terms[chosen[0]]
+            index = np.array([base_columns + list(range(self.slices[k].start, self.slices[k].stop)) for k in chosen])
+            lower = np.array([*(v for t in base_terms for v in t.form.lower), *first.form.lower])
+            upper = np.array([*(v for t in base_terms for v in t.form.upper), *first.form.upper])
+            unknowns = count_unknowns([*base_terms, first])
+            best = np.full(len(chosen), -np.inf)
+            for scale in scales:
                 gram, moment, energy = self.moments(scale)
                 _, reduction = boxed_least_squares(gram[index[:, :, None], index[:, None, :]], moment[index], lower, upper)
                 rss = np.maximum(energy - reduction, 1e-12 * self.evidence.gap_energy)
                 best = np.maximum(best, self.evidence.score(rss, scale, unknowns))
-            k = int(np.argmax(best))
-            found.setdefault(name, []).append((float(best[k]), (*base, numbers[k])))
-        for candidates in found.values():
-            candidates.sort(key=lambda item: -item[0])
+            scores[chosen] = best
+        found = []
+        for numbers in self._laws:
+            k = max(numbers, key=lambda number: scores[number])
+            if np.isfinite(scores[k]):
+                found.append((float(scores[k]), (*base, k)))
         return found
 
 
@@ -92,18 +121,20 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
     """
     evidence = library.evidence
     found = [evidence.fit(())]
-    beam: list[tuple[int, ...]] = [()]
+    beam: list[tuple[tuple[int, ...], Sequence[Scale]]] = [((), SCALES)]
     for size in range(1, most + 1):
         sets: dict[frozenset[str], tuple[float, tuple[int, ...]]] = {}
-        for base in beam:
-            for candidates in library.extend(base).values():
-                for score, numbers in candidates[: 2 if size == 1 else 1]:
-                    names = frozenset(library.terms[k].effect.id for k in numbers)
-                    if size == 1:
-                        names = names | {library.terms[numbers[0]].form.name}
-                    if names not in sets or score > sets[names][0]:
-                        sets[names] = (score, numbers)
+        for base, scales in beam:
+            for score, numbers in library.extend(base, scales):
+                names = frozenset(library.terms[k].effect.id for k in numbers)
+                if size == 1:
+                    names = names | {library.terms[numbers[0]].form.name}
+                if names not in sets or score > sets[names][0]:
+                    sets[names] = (score, numbers)
         ranked = sorted(sets.values(), key=lambda item: -item[0])
+        if size == 1:
+            # The two best laws of an effect are refined, the others cannot overtake both.
+            ranked = _at_most(ranked, 2, lambda numbers: library.terms[numbers[0]].effect.id)
         count = wide if size > 1 else 2 * wide
         refined: dict[frozenset[str], tuple[Hypothesis, tuple[int, ...]]] = {}
         for _, numbers in ranked[:count]:
@@ -119,5 +150,30 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
                     refined[fitted.names] = (fitted, numbers)
         ordered = sorted(refined.values(), key=lambda item: -item[0].score)
         found += [fitted for fitted, _ in ordered]
-        beam = [numbers for _, numbers in ordered[:wide]]
+        if size < most:
+            grown = [term for fitted, _ in ordered[:wide] for term in fitted.terms]
+            numbers = iter(library.add(grown))
+            beam = [
+                (tuple(next(numbers) for _ in fitted.terms), _likely_scales(fitted)) for fitted, _ in ordered[:wide]
+            ]
     return found
+
+
+def _at_most(
+    ranked: Sequence[tuple[float, tuple[int, ...]]], count: int, key: Callable[[tuple[int, ...]], str]
+) -> list[tuple[float, tuple[int, ...]]]:
+    """At most ``count`` of each kind, the order kept."""
+    seen: dict[str, int] = {}
+    kept = []
+    for item in ranked:
+        kind = key(item[1])
+        seen[kind] = seen.get(kind, 0) + 1
+        if seen[kind] <= count:
+            kept.append(item)
+    return kept
+
+
+def _likely_scales(fitted: Hypothesis, count: int = 4) -> list[Scale]:
+    """The scales of parameter errors worth trying with one more effect: its best, and those with the least refit."""
+    ranked = sorted(fitted.by_scale, key=lambda scale: -fitted.by_scale[scale])[:count]
+    return [*ranked, *(scale for scale in ((0.005, 0.0), (0.01, 0.0), (0.02, 0.0)) if scale not in ranked)]

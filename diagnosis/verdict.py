@@ -12,19 +12,22 @@ from .calibration import CONFIDENCE, confidence
 from .evidence import Evidence, Hypothesis, Scale
 from .heldout import HeldOut, held_out, structured_power
 
-__all__ = ["MISCALIBRATION", "UNKNOWN", "Choice", "choose"]
+__all__ = ["MISCALIBRATION", "UNKNOWN", "Choice", "choose", "effective_share"]
 
 Floats = NDArray[np.float64]
 MISCALIBRATION, UNKNOWN = "miscalibration", "unknown"
+TEMPERATURE = 0.25
+"""Share of the evidence that is trusted when alternatives are weighed: laws are never exact."""
 EFFECT_COST = 3.0
 """Logarithm of the prior odds against each further effect."""
+EFFECT_COST_REFITTED = 10.0
 NEGLIGIBLE = 0.6
 """An effect smaller than this share of the noise is no gap beyond the noise."""
 WORTH = 0.04
 """Share of the gap's energy that an effect must close beside the others."""
-WORTH_AT_LEAST = 0.006
-"""The same where the effect's own signal is large: the rest of the explanation can then stand in for most of it."""
-CONTAINED = 0.01
+INDIFFERENT = 0.1
+"""The same as a share of the noise's energy, whatever the gap."""
+CONTAINED = 0.002
 """Share of the gap's energy within which a special case is preferred to the general effect."""
 RECALIBRATION_WORTH = 0.06
 """Share of the gap's energy that the refit must close to be called a miscalibration."""
@@ -45,6 +48,10 @@ class Choice:
     """Structured power left over by the best explanation, over the gap's."""
     features: dict[str, float]
     posterior: dict[frozenset[str], float]
+    rivals: dict[frozenset[str], float]
+    """Odds of other sets of effects against the verdict's."""
+    recalibration_rivals: list[str]
+    """Effects of the verdict for which an unnamed miscalibration could stand in, or the other way round."""
 
 
 def is_refitted(scale: Scale) -> bool:
@@ -53,7 +60,11 @@ def is_refitted(scale: Scale) -> bool:
 
 
 def _prior(hypothesis: Hypothesis) -> float:
-    return -EFFECT_COST * len(hypothesis.terms)
+    """Logarithm of the prior odds; minus infinity for an effect that is only a special case of itself."""
+    if any(term.effect.is_degenerate(hypothesis.parameters(term.effect.id)) for term in hypothesis.terms):
+        return -np.inf
+    # Beside a simulator that is off in many ways, an effect may always stand in for one more of them.
+    return -(EFFECT_COST_REFITTED if is_refitted(hypothesis.scale) else EFFECT_COST) * len(hypothesis.terms)
 
 
 def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
@@ -61,6 +72,7 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     signals = evidence.scene.signals
     floor = evidence.sigma
     energy = max(float(np.mean(np.square(evidence.gap))) - floor**2, 1e-6 * floor**2)
+    found = [h for h in found if np.isfinite(_prior(h))]
     ranked = sorted(found, key=lambda h: -(h.score + _prior(h)))
     best = _simplest(evidence, ranked, energy)
 
@@ -80,18 +92,22 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     after = signals.gap - held.signal - held.recalibration
     left = max(structured_power(after, signals.runs), 0.0)
     gap_power = max(structured_power(signals.gap, signals.runs), 1e-6 * floor**2)
+    tempered = TEMPERATURE * effective_share(misfit_refit, signals.runs)
     scores = np.array([h.score + _prior(h) for h in ranked])
-    weights = np.exp(np.clip(scores - scores.max(), -700.0, 0.0))
-    posterior: dict[frozenset[str], float] = {}
-    for hypothesis, weight in zip(ranked, weights / weights.sum(), strict=True):
-        posterior[hypothesis.names] = posterior.get(hypothesis.names, 0.0) + float(weight)
-    rivals = [s for h, s in zip(ranked, scores, strict=True) if not h.names >= best.names and not h.names <= best.names]
     own = best.score + _prior(best)
+    weights = np.exp(np.clip(tempered * (scores - scores.max()), -700.0, 0.0))
+    posterior: dict[frozenset[str], float] = {}
+    odds: dict[frozenset[str], float] = {}
+    for hypothesis, weight, score in zip(ranked, weights / weights.sum(), scores, strict=True):
+        posterior[hypothesis.names] = posterior.get(hypothesis.names, 0.0) + float(weight)
+        against = float(np.exp(np.clip(tempered * (score - own), -700.0, 50.0)))
+        odds[hypothesis.names] = max(odds.get(hypothesis.names, 0.0), against)
+    others = [s for h, s in zip(ranked, scores, strict=True) if not h.names >= best.names and not h.names <= best.names]
     features = {
         "gap": float(np.sqrt(energy) / floor),
         "left_to_noise": float(np.sqrt(left) / floor),
         "left_share": left / gap_power,
-        "margin": float(own - max(rivals)) if rivals else 1e3,
+        "margin": float(own - max(others)) if others else 1e3,
         "over_null": float(own - max(h.score for h in found if not h.terms)),
         "effects": float(len(best.terms)),
         "signal": float(np.std(best.signal) / floor),
@@ -102,15 +118,47 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     verdict = sorted(best.names, key=lambda name: -float(np.mean(np.square(best.part(name)))))
     if miscalibrated:
         verdict.append(MISCALIBRATION)
-    if _nothing(best, miscalibrated, float(np.std(recalibration)), floor):
+    if _nothing(best, miscalibrated, features, floor):
         verdict = []
     elif _inadequate(features):
         verdict = [UNKNOWN]
-    return Choice(verdict, confidence(CONFIDENCE, verdict, features), best, held, miscalibrated, left / gap_power, features, posterior)
+    return Choice(
+        verdict, confidence(CONFIDENCE, verdict, features), best, held, miscalibrated, left / gap_power, features,
+        posterior, odds, _recalibration_rivals(verdict, best, found, tempered),
+    )  # fmt: skip
 
 
-def _nothing(best: Hypothesis, miscalibrated: bool, recalibrated: float, floor: float) -> bool:
-    if miscalibrated:
+def effective_share(residual: Floats, runs: Sequence[slice], longest: int = 200) -> float:
+    """Effective over actual number of samples, 1 / (1 + 2 Σ ρ_k), the sum ended where ρ_k is no longer positive."""
+    products = np.zeros(longest)
+    for run in runs:
+        series = residual[run]
+        for lag in range(min(longest, series.size // 4)):
+            products[lag] += float(series[: series.size - lag] @ series[lag:])
+    if products[0] <= 0.0:
+        return 1.0
+    correlation = products[1:] / products[0]
+    ends = np.flatnonzero(correlation <= 0.0)
+    return 1.0 / (1.0 + 2.0 * float(correlation[: ends[0] if ends.size else longest - 1].sum()))
+
+
+def _recalibration_rivals(verdict: Sequence[str], best: Hypothesis, found: Sequence[Hypothesis], tempered: float) -> list[str]:
+    """Effects that a miscalibrated simulator would imitate, or be imitated by, on this recording."""
+    blank = next(h for h in found if not h.terms)
+    least = np.log(0.05) / tempered
+    if len(best.names) == 1 and verdict == sorted(best.names):
+        refitted = max((s for scale, s in blank.by_scale.items() if is_refitted(scale)), default=-np.inf)
+        return sorted(best.names) if refitted - best.score - _prior(best) > least else []
+    if verdict == [MISCALIBRATION]:
+        fixed = [
+            (h, max(s for scale, s in h.by_scale.items() if not is_refitted(scale))) for h in found if len(h.terms) == 1
+        ]
+        return sorted(next(iter(h.names)) for h, s in fixed if s - EFFECT_COST - best.score > least)
+    return []
+
+
+def _nothing(best: Hypothesis, miscalibrated: bool, features: dict[str, float], floor: float) -> bool:
+    if miscalibrated or features["in_sample_left"] > NEGLIGIBLE:
         return False
     return not best.terms or float(np.sqrt(np.mean(np.square(best.signal)))) < NEGLIGIBLE * floor
 
@@ -151,7 +199,7 @@ def _simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) -
             if len(best.names) > 1:
                 size = float(np.mean(np.square(best.part(name)))) / energy
                 smaller, loss = beside_same_simulator(best.names - {name})
-                if smaller is not None and (loss < WORTH_AT_LEAST or (loss < WORTH and size < 3.0 * WORTH)):
+                if smaller is not None and (loss * energy < INDIFFERENT * evidence.sigma**2 or (loss < WORTH and size < 3.0 * WORTH)):
                     options.append((loss, smaller))
             for special in next(term.effect for term in best.terms if term.effect.id == name).contains:
                 other, loss = beside_same_simulator((best.names - {name}) | {special})

@@ -374,7 +374,7 @@ def _deflection(j: _Joint, a: float, rng: np.random.Generator) -> None:
 def _asymmetry(j: _Joint, a: float, rng: np.random.Generator) -> None:
     side = rng.choice([-1.0, 1.0])
     soft = 0.03 * j.base.reach
-    j.torque = j.torque + side * a * 0.2 * j.scale / j.base.reach * soft * np.logaddexp(0.0, side * j.x / soft)
+    j.torque = j.torque + side * a * 0.2 * j.scale / j.base.reach * soft * (np.logaddexp(0.0, side * j.x / soft) - np.log(2.0))
 
 
 def _saturation(j: _Joint, a: float, rng: np.random.Generator) -> None:

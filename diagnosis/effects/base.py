@@ -92,6 +92,10 @@ class Effect:
     contains: ClassVar[tuple[str, ...]] = ()
     """Simpler effects that are special cases: where they do nearly as well, they are named instead."""
 
+    def is_degenerate(self, parameters: dict[str, float]) -> bool:
+        """Whether the fitted parameters make this effect one of those that it ``contains``."""
+        return False
+
     def forms(self, scene: Scene) -> list[Form]:
         """The laws that this recording allows to fit (none, if it cannot show the effect at all)."""
         raise TypeError(f"{type(self).__name__} does not define forms")

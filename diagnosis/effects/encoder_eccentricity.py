@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
@@ -11,15 +12,17 @@ from .base import INPUT, Effect, Floats, Form, Parameter, Scene, geometric
 __all__ = ["EncoderEccentricity"]
 
 
-def _columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    x = scene.signals.x
-    small = 1e-3 * scene.signals.reach
-    phase = shape[0] * x
-    made = []
-    for wave in (np.sin(phase), np.cos(phase)):
-        # The mean of the wave would be an offset of deflection, which is an effect of its own.
-        made.append((scene.torque_change(x + small * wave) - scene.torque_change(x - small * wave)) / (2.0 * small))
-    return np.column_stack(made)
+def _columns(harmonics: int) -> Callable[[Scene, tuple[float, ...]], Floats]:
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        x = scene.signals.x
+        small = 1e-3 * scene.signals.reach
+        made = []
+        for k in range(1, harmonics + 1):
+            for wave in (np.sin(k * shape[0] * x), np.cos(k * shape[0] * x)):
+                made.append((scene.torque_change(x + small * wave) - scene.torque_change(x - small * wave)) / (2.0 * small))
+        return np.column_stack(made)
+
+    return columns
 
 
 class EncoderEccentricity(Effect):
@@ -28,12 +31,14 @@ class EncoderEccentricity(Effect):
     id: ClassVar[str] = "encoder_eccentricity"
     title: ClassVar[str] = "encoder eccentricity"
     summary: ClassVar[str] = "periodic error of the deflection (eccentric disc, magnet or gear)"
-    equation: ClassVar[str] = "x → x + p sin(N x) + q cos(N x)"
+    equation: ClassVar[str] = "x → x + p sin(N x) + q cos(N x) (+ p2 sin(2 N x) + q2 cos(2 N x))"
     coordinate: ClassVar[str] = "position"
     acts_on: ClassVar[str] = INPUT
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("error_sin", "rad", -np.inf, np.inf, "p"),
         Parameter("error_cos", "rad", -np.inf, np.inf, "q"),
+        Parameter("error_sin_2", "rad", -np.inf, np.inf, "p2, second harmonic"),
+        Parameter("error_cos_2", "rad", -np.inf, np.inf, "q2, second harmonic"),
         Parameter("periods", "1/rad·2π", 0.0, np.inf, "N, periods a turn"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("deflection_offset", "torque_gain", "miscalibration")
@@ -44,5 +49,8 @@ class EncoderEccentricity(Effect):
         low, high = 0.5 * np.pi / reach, 30.0 * np.pi / reach
         grid = [(n,) for n in geometric(low, 12.0 * np.pi / reach, 36)]
         wide = 0.06 * reach
-        free = (-wide, -wide), (wide, wide)
-        return [Form("sine", ("error_sin", "error_cos"), _columns, *free, ("periods",), grid, [(low, high)])]
+        names = ("error_sin", "error_cos", "error_sin_2", "error_cos_2")
+        return [
+            Form(told, names[: 2 * k], _columns(k), (-wide,) * (2 * k), (wide,) * (2 * k), ("periods",), some, [(low, high)])
+            for k, told, some in ((1, "sine", grid), (2, "two harmonics", grid[::2]))
+        ]

@@ -48,6 +48,9 @@ class StribeckFriction(Effect):
     confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "viscous_friction")
     contains: ClassVar[tuple[str, ...]] = ("coulomb_friction",)
 
+    def is_degenerate(self, parameters: dict[str, float]) -> bool:
+        return parameters["breakaway_excess"] < 0.08 * parameters["friction"]
+
     def forms(self, scene: Scene) -> list[Form]:
         fast = float(np.sqrt(np.mean(np.square(scene.signals.speed))))
         speeds = [0.06 * fast, 0.15 * fast, 0.4 * fast, 1.0 * fast]

@@ -25,6 +25,15 @@ def _stiffness(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return (_warming(scene, shape) * scene.torque)[:, None]
 
 
+def _self_heating(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    """Temperature by the joint's own losses, which go with |y v|, against cooling."""
+    s = scene.signals
+    power = np.abs(scene.torque * s.speed)
+    # The lag settles at its first input, so the joint starts cold where the power starts at zero.
+    warm = s.lowpass(power, shape[0]) - power[0] * np.exp(-s.elapsed / shape[0])
+    return (warm / max(float(power.mean()), 1e-300))[:, None]
+
+
 def _channel(name: str, stiffness: bool) -> Callable[[Scene, tuple[float, ...]], Floats]:
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         rise = scene.signals.channels[name] - scene.signals.channels[name][0]
@@ -39,7 +48,7 @@ class ThermalDrift(Effect):
     id: ClassVar[str] = "thermal_drift"
     title: ClassVar[str] = "thermal drift"
     summary: ClassVar[str] = "zero or stiffness that drifts with time or temperature while the joint warms up"
-    equation: ClassVar[str] = "y += a w  or  y += a w y_sim,  w = 1 − exp(−t/τ), t/T or temperature rise"
+    equation: ClassVar[str] = "y += a w  or  y += a w y_sim,  w = 1 − exp(−t/τ), t/T, lagged |y v| or temperature rise"
     coordinate: ClassVar[str] = "time"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("zero_drift", "N·m (per K with a temperature channel)", -np.inf, np.inf, "drift of the zero"),
@@ -57,6 +66,7 @@ class ThermalDrift(Effect):
         made = [
             Form("zero, linear", ("zero_drift",), _zero, *free),
             Form("zero, exponential", ("zero_drift",), _zero, *free, ("time_constant",), times, limits),
+            Form("zero, self-heating", ("zero_drift",), _self_heating, *free, ("time_constant",), times[1::2], limits),
             Form("stiffness, linear", ("stiffness_drift",), _stiffness, *free),
             Form("stiffness, exponential", ("stiffness_drift",), _stiffness, *free, ("time_constant",), times, limits),
         ]

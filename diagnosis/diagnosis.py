@@ -1,0 +1,285 @@
+"""The diagnosis of a sim-to-real gap: where it lies, what causes it, how far it shrinks."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from .attribution import Place, locate
+from .effects.base import Effect
+from .emulation import SimulatorScene, emulate
+from .evidence import Evidence, Hypothesis
+from .heldout import HeldOut, closed_share, held_out, structured_power
+from .search import Library, search
+from .signals import Signals
+from .verdict import MISCALIBRATION, UNKNOWN, Choice, choose
+
+__all__ = ["SCHEMA", "Diagnosis", "EffectReport", "diagnose", "known_effects"]
+
+Floats = NDArray[np.float64]
+SCHEMA = "hystbench/diagnosis/1"
+REPORTED = 5
+"""Effects beyond the verdict that are reported with held-out figures."""
+RIVAL = 0.05
+"""An alternative at least this probable, relative to the verdict, is a stated ambiguity."""
+EXACT = 0.3
+"""Structure left over, as a share of the noise, up to which an effect's law is adequate."""
+
+
+@dataclass(frozen=True)
+class EffectReport:
+    """One effect's evidence; ``signal`` is what it adds on samples that its fit did not see."""
+
+    name: str
+    probability: float
+    rmse_after: float
+    closed: float
+    closed_interval: list[float]
+    adequacy: str
+    parameters: dict[str, float]
+    law: str
+    signal: Floats
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Everything that was found; ``document()`` gives CONTRACT's JSON."""
+
+    signals: Signals
+    verdict: list[str]
+    confidence: float
+    rmse: float
+    noise_floor: float
+    closed_by_recalibration: float
+    closed_in_all: float
+    places: list[Place]
+    effects: list[EffectReport]
+    ambiguous: list[list[str]]
+    emulator: str
+    emulator_error: float
+    choice: Choice
+    evidence: Evidence
+    waterfall: list[tuple[str, float]]
+    """RMS after each step: nothing, then the verdict's effects in the order of their size."""
+    seed: int
+    excluded: list[str]
+    next_recording: dict[str, Any] | None = None
+    notes: list[str] = field(default_factory=list)
+
+    def document(self) -> dict[str, Any]:
+        """The diagnosis as CONTRACT's JSON document."""
+        return {
+            "schema": SCHEMA,
+            "gap": {
+                "unit": "N·m",
+                "rmse": _figure(self.rmse),
+                "noise_floor": _figure(self.noise_floor),
+                "closed_by_recalibration": _figure(self.closed_by_recalibration),
+            },
+            "where": [
+                {
+                    "coordinate": place.coordinate,
+                    "share": _figure(place.share),
+                    "interval": [_figure(v) for v in place.interval],
+                    "range": [_figure(v) for v in place.range],
+                }
+                for place in self.places
+            ],
+            "verdict": self.verdict,
+            "confidence": _figure(self.confidence),
+            "effects": [
+                {
+                    "name": e.name,
+                    "probability": _figure(e.probability),
+                    "rmse_after": _figure(e.rmse_after),
+                    "closed": _figure(e.closed),
+                    "closed_interval": [_figure(v) for v in e.closed_interval],
+                    "adequacy": e.adequacy,
+                    "parameters": {name: _figure(value) for name, value in e.parameters.items()},
+                }
+                for e in self.effects
+            ],
+            "ambiguous": self.ambiguous,
+            "next_recording": self.next_recording,
+            "simulator": {"emulated_by": self.emulator, "emulation_error": _figure(self.emulator_error)},
+            "closed": _figure(self.closed_in_all),
+            "waterfall": [{"after": name, "rmse": _figure(rmse)} for name, rmse in self.waterfall],
+            "seed": self.seed,
+            "excluded": self.excluded,
+            "notes": self.notes,
+        }
+
+    def to_json(self) -> str:
+        """The document as text."""
+        return json.dumps(self.document(), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _figure(value: float) -> float:
+    """Six significant digits: more is noise, and the same on every machine."""
+    return float(f"{float(value):.6g}")
+
+
+def known_effects(exclude: Sequence[str] = ()) -> list[Effect]:
+    """Fresh instances of all registered effects but those excluded.
+
+    Raises
+    ------
+    UnknownPluginError
+        If an excluded id is not registered.
+    """
+    from . import registry
+
+    for name in exclude:
+        registry.get(name)
+    return [registry.get(name)() for name in registry.ids() if name not in exclude]
+
+
+def diagnose(signals: Signals, model: Any | None = None, exclude: Sequence[str] = (), seed: int = 0) -> Diagnosis:
+    """Diagnose the gap between a recording and its simulator.
+
+    Parameters
+    ----------
+    signals : Signals
+        Recordings and the simulator's outputs, see :func:`hystbench.diagnosis.inputs.read_inputs`.
+    model : fitted model, optional
+        The simulator itself, where it is at hand.
+    exclude : sequence of str
+        Effects that are not to be considered.
+    seed : int
+        For the bootstrap intervals.
+
+    Raises
+    ------
+    InputError
+        If every effect is excluded.
+    """
+    effects = known_effects(exclude)
+    if not effects:
+        raise InputError("every effect is excluded; leave at least one")
+    emulator = emulate(signals, model)
+    scene = SimulatorScene(signals, emulator)
+    evidence = Evidence(scene)
+    found = search(Library(evidence, effects))
+    choice = choose(evidence, found)
+    floor = evidence.sigma
+
+    blank = next(h for h in found if not h.terms)
+    recalibrated = held_out(evidence, evidence.fit((), (max(blank.by_scale, key=lambda s: blank.by_scale[s]),)), 0)
+    _, closed_by_recalibration, _ = closed_share(signals.gap, signals.gap - recalibrated.recalibration, floor, seed)
+    reports = _effect_reports(evidence, found, choice, floor, seed)
+    after = signals.gap - choice.held.signal - (choice.held.recalibration if choice.miscalibrated else 0.0)
+    _, closed_in_all, _ = closed_share(signals.gap, after, floor, seed)
+    if MISCALIBRATION in choice.verdict:
+        reports.append(_recalibration_report(signals, choice, floor, seed))
+    notes = []
+    if model is None:
+        notes.append(f"the simulator is emulated by {emulator.name}, error {100.0 * emulator.error:.2g} % of its output")
+    named = [name for name in choice.verdict if name not in (MISCALIBRATION, UNKNOWN)]
+    return Diagnosis(
+        signals=signals,
+        verdict=choice.verdict,
+        confidence=choice.confidence,
+        rmse=float(np.sqrt(np.mean(np.square(signals.gap)))),
+        noise_floor=floor,
+        closed_by_recalibration=closed_by_recalibration,
+        closed_in_all=closed_in_all,
+        places=locate(signals, _explained(choice, named), floor, seed),
+        effects=sorted(reports, key=lambda r: (-r.probability, -r.closed)),
+        ambiguous=_ambiguities(choice),
+        emulator=emulator.name,
+        emulator_error=emulator.error,
+        choice=choice,
+        evidence=evidence,
+        waterfall=_waterfall(signals, choice, named),
+        seed=seed,
+        excluded=sorted(exclude),
+        notes=notes,
+    )
+
+
+def _explained(choice: Choice, named: Sequence[str]) -> dict[str, Floats]:
+    """What the verdict's effects add, by the coordinate where each shows."""
+    explained: dict[str, Floats] = {}
+    for term in choice.hypothesis.terms:
+        if term.effect.id in named:
+            where = term.effect.coordinate
+            explained[where] = explained.get(where, 0.0) + choice.hypothesis.part(term.effect.id)
+    return explained
+
+
+def _effect_reports(
+    evidence: Evidence, found: Sequence[Hypothesis], choice: Choice, floor: float, seed: int
+) -> list[EffectReport]:
+    made = []
+    marginal: dict[str, float] = {}
+    for names, probability in choice.posterior.items():
+        for name in names:
+            marginal[name] = marginal.get(name, 0.0) + probability
+    for name in choice.hypothesis.names:
+        made.append(_report(evidence, choice.hypothesis, choice.held, name, max(marginal.get(name, 0.0), choice.confidence if name in choice.verdict else 0.0), floor, seed))
+    alone = [h for h in found if len(h.terms) == 1 and not h.names <= choice.hypothesis.names]
+    for hypothesis in alone[:REPORTED]:
+        (name,) = hypothesis.names
+        made.append(_report(evidence, hypothesis, held_out(evidence, hypothesis, 0), name, min(marginal.get(name, 0.0), 1.0 - choice.confidence), floor, seed))
+    return made
+
+
+def _report(
+    evidence: Evidence, hypothesis: Hypothesis, held: HeldOut, name: str, probability: float, floor: float, seed: int
+) -> EffectReport:
+    signals = evidence.scene.signals
+    rmse, closed, interval = closed_share(signals.gap, signals.gap - held.parts[name], floor, seed)
+    left = signals.gap - hypothesis.signal
+    left = left - evidence.absorbed(left, hypothesis.scale)
+    exact = np.sqrt(max(structured_power(left, signals.runs), 0.0)) <= EXACT * floor
+    term = next(t for t in hypothesis.terms if t.effect.id == name)
+    return EffectReport(
+        name, float(np.clip(probability, 0.0, 1.0)), rmse, closed, interval, "adequate" if exact else "form inexact",
+        hypothesis.parameters(name), term.form.name, held.parts[name],
+    )  # fmt: skip
+
+
+def _recalibration_report(signals: Signals, choice: Choice, floor: float, seed: int) -> EffectReport:
+    rmse, closed, interval = closed_share(signals.gap, signals.gap - choice.held.recalibration, floor, seed)
+    scale = choice.hypothesis.scale
+    return EffectReport(
+        MISCALIBRATION, choice.confidence, rmse, closed, interval, "adequate",
+        {"relative_error_structure": scale[0], "relative_error_bulk": scale[1]}, "first order", choice.held.recalibration,
+    )  # fmt: skip
+
+
+def _ambiguities(choice: Choice) -> list[list[str]]:
+    """Pairs of effects of which one could stand in for the other in the verdict."""
+    own = choice.hypothesis.names
+    pairs: set[tuple[str, str]] = set()
+    for names, odds in choice.rivals.items():
+        if odds < RIVAL or names == own:
+            continue
+        out, into = own - names, names - own
+        if len(out) == 1 and len(into) == 1:
+            a, b = sorted((*out, *into))
+            pairs.add((a, b))
+    for name in choice.recalibration_rivals:
+        a, b = sorted((name, MISCALIBRATION))
+        pairs.add((a, b))
+    return [list(pair) for pair in sorted(pairs)]
+
+
+def _waterfall(signals: Signals, choice: Choice, named: Sequence[str]) -> list[tuple[str, float]]:
+    left = signals.gap
+    steps = [("the simulator as it is", float(np.sqrt(np.mean(np.square(left)))))]
+    parts = {name: choice.held.parts[name] for name in named}
+    if choice.miscalibrated:
+        parts[MISCALIBRATION] = choice.held.recalibration
+    while parts:
+        name = min(parts, key=lambda n: float(np.mean(np.square(left - parts[n]))))
+        left = left - parts.pop(name)
+        steps.append((name, float(np.sqrt(np.mean(np.square(left))))))
+    return steps
+

@@ -1,0 +1,127 @@
+"""Reading recordings and simulators, and saying in one line what does not fit together."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import models
+from ..datasets.base import Recording
+from ..datasets.recording_files import read_recording
+from ..errors import InputError
+from .signals import Signals
+
+__all__ = ["MINIMUM_SAMPLES", "read_inputs", "signals_from"]
+
+Floats = NDArray[np.float64]
+MINIMUM_SAMPLES = 200
+
+
+def read_inputs(
+    recordings: Sequence[str | os.PathLike[str]],
+    simulators: Sequence[str | os.PathLike[str]],
+    x: str | None = None,
+    y: str | None = None,
+    time: str | None = None,
+) -> tuple[Signals, Any | None]:
+    """Read recordings and what simulates them: one model file for all, or one table of outputs for each.
+
+    Raises
+    ------
+    InputError
+        If a file is bad or the two do not fit together; one line.
+    """
+    if not recordings:
+        raise InputError("no recording was given; name at least one file")
+    if len(simulators) == 1 and Path(simulators[0]).suffix.lower() == ".json":
+        model = models.load(simulators[0])
+        real = [read_recording(file, x=x, y=y, time=time) for file in recordings]
+        return signals_from(real, [np.asarray(model.predict(r.x)) for r in real], [str(file) for file in recordings]), model
+    if len(simulators) != len(recordings):
+        raise InputError(
+            f"{len(recordings)} recordings but {len(simulators)} --sim files; give one table for each, in the same order, or one model file"
+        )
+    real, outputs = [], []
+    for file, simulated in zip(recordings, simulators, strict=True):
+        recording, sim = read_recording(file, x=x, y=y, time=time), read_recording(simulated, x=x, y=y, time=time)
+        _check_pair(str(file), recording, str(simulated), sim)
+        real.append(recording)
+        outputs.append(sim.y)
+    return signals_from(real, outputs, [str(file) for file in recordings]), None
+
+
+def _check_pair(file: str, real: Recording, simulated: str, sim: Recording) -> None:
+    if sim.x.size != real.x.size:
+        raise InputError(
+            f"{simulated}: {sim.x.size} rows where {file} has {real.x.size}; write the simulator's output at the recording's times"
+        )
+    step = float(np.median(np.diff(real.time)))
+    off = np.flatnonzero(np.abs(sim.time - real.time) > 0.25 * step)
+    if off.size:
+        k = int(off[0])
+        raise InputError(
+            f"{simulated}: row {k + 1} is at {sim.time[k]:.6g} s where {file} is at {real.time[k]:.6g} s; "
+            "write the simulator's output at the recording's times"
+        )
+    spread = float(np.std(sim.x)), float(np.std(real.x))
+    if min(spread) > 0.0:
+        _check_units(simulated, file, "deflection", spread[0] / spread[1], {180.0 / np.pi: "deg", np.pi / 180.0: "rad", 1000.0: "mrad or mm"})
+
+
+def _check_units(simulated: str, file: str, what: str, ratio: float, factors: dict[float, str]) -> None:
+    for factor, unit in factors.items():
+        if abs(ratio / factor - 1.0) < 0.15:
+            raise InputError(
+                f"{simulated}: its {what} is {ratio:.4g} times that of {file}, as if it were in {unit}; convert it to the recording's unit"
+            )
+
+
+def signals_from(recordings: Sequence[Recording], outputs: Sequence[Floats], names: Sequence[str]) -> Signals:
+    """Join recordings and simulated outputs.
+
+    Raises
+    ------
+    InputError
+        If a recording is too short, does not move, or its output or the gap cannot be judged.
+    """
+    for recording, output, name in zip(recordings, outputs, names, strict=True):
+        if recording.x.size < MINIMUM_SAMPLES:
+            raise InputError(f"{name}: {recording.x.size} samples are too few to diagnose; record at least {MINIMUM_SAMPLES}")
+        for label, values in (("deflection", recording.x), ("torque", recording.y), ("simulated torque", output)):
+            bad = np.flatnonzero(~np.isfinite(values))
+            if bad.size:
+                raise InputError(f"{name}: {label} is {values[bad[0]]} in row {bad[0] + 1}; remove such rows")
+            if np.ptp(values) == 0.0:
+                raise InputError(f"{name}: the {label} is constant; nothing can be diagnosed from it")
+        gap = recording.y - output
+        scale = float(np.std(recording.y))
+        if np.ptp(gap) <= 1e-12 * scale and np.max(np.abs(gap)) > 1e-9 * scale:
+            raise InputError(
+                f"{name}: the gap is exactly constant ({gap[0]:.6g}): real and simulated torque are copies of each other; check the files"
+            )
+        ratio = scale / float(np.std(output))
+        for factor in (1000.0, 1e-3):
+            if abs(ratio / factor - 1.0) < 0.3:
+                raise InputError(
+                    f"{name}: the recorded torque is {ratio:.4g} times the simulated one, as if one were in N·m and the other in mN·m; "
+                    "convert them to one unit"
+                )
+    edges = np.cumsum([0, *(r.x.size for r in recordings)]).tolist()
+    shared = set.intersection(*(set(r.channels) for r in recordings))
+    return Signals(
+        time=np.concatenate([r.time for r in recordings]),
+        x=np.concatenate([r.x for r in recordings]),
+        y_real=np.concatenate([r.y for r in recordings]),
+        y_sim=np.concatenate(list(outputs)),
+        runs=[slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)],
+        channels={
+            name: np.concatenate([r.channels[name] for r in recordings])
+            for name in recordings[0].channels
+            if name in shared
+        },
+    )
