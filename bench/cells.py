@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from .. import datasets, models
 from ..datasets import Dataset, Recording, concatenate
+from ..errors import InputError
 from .conditions import Conditioned, apply
 from .isolation import restored_process_state
 from .limits import CellTimeoutError, time_limit
@@ -100,7 +101,7 @@ def _imported(name: str, siblings: Collection[str]) -> set[str]:
 @lru_cache(maxsize=16)
 def load_dataset(name: str) -> Dataset:
     """The dataset, loaded once a process."""
-    return datasets.get(name)().load()
+    return datasets.source(name).load()
 
 
 def data_hash(dataset: Dataset) -> str:
@@ -116,8 +117,15 @@ def data_hash(dataset: Dataset) -> str:
 
 
 @lru_cache(maxsize=4)
-def _conditioned(name: str, condition: str, seed: int) -> Conditioned:
-    return apply(load_dataset(name), condition, seed)
+def _conditioned(name: str, data: str, condition: str, seed: int) -> Conditioned:
+    dataset = load_dataset(name)
+    # A worker may have loaded it long before or after the run was planned; a user's file may have changed in between.
+    if data_hash(dataset) != data:
+        load_dataset.cache_clear()
+        dataset = load_dataset(name)
+        if data_hash(dataset) != data:
+            raise InputError(f"dataset {name} has changed since the run was planned; run again")
+    return apply(dataset, condition, seed)
 
 
 @lru_cache(maxsize=64)
@@ -195,7 +203,7 @@ def _one_line(error: BaseException) -> str:
 
 
 def _fill(cell: dict[str, Any], arrays: dict[str, NDArray[Any]], spec: CellSpec) -> None:
-    data = _conditioned(spec.dataset, spec.condition, spec.seed)
+    data = _conditioned(spec.dataset, spec.data, spec.condition, spec.seed)
     cell["filter"] = data.filter
     cell["compile_s"] = warm_up(spec.model)
     x, y, groups = concatenate(data.train)

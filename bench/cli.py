@@ -41,6 +41,18 @@ def _column_options(*names: str) -> Any:
     return decorate
 
 
+def _with_columns(datasets: list[str] | None, **columns: str | None) -> list[str] | None:
+    """Give the files among ``datasets`` the columns that the options name."""
+    from ..datasets.user_recording import is_file, with_columns
+
+    named = [f"--{role}" for role, column in columns.items() if column is not None]
+    if not named:
+        return datasets
+    if not any(is_file(name) for name in datasets or []):
+        raise InputError(f"{named[0]} names a column of a file, but --datasets names no file")
+    return [with_columns(name, **columns) if is_file(name) else name for name in datasets or []]
+
+
 @click.group(cls=CommandGroup, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
 @click.version_option(__version__, prog_name="hystbench")
 def cli() -> None:
@@ -56,20 +68,33 @@ def cli() -> None:
 
 @cli.command()
 @click.option("--models", metavar="A,B", callback=_names, help="Model ids (default: all).")
-@click.option("--datasets", metavar="A,B", callback=_names, help="Dataset ids (default: all that are on this machine).")
+@click.option("--datasets", metavar="A,B", callback=_names, help="Dataset ids, or paths of recordings (default: all datasets that are on this machine).")
 @click.option("--out", type=click.Path(path_type=Path), default=Path("hystbench-report"), show_default=True,
               help="Folder for results.parquet, run.json and report.html.")  # fmt: skip
 @click.option("--jobs", type=click.IntRange(1, 1024), help="Processes (default: one a core).")
 @click.option("--quick", is_flag=True, help="One seed and fewer conditions, for a first look.")
 @click.option("--resume/--fresh", default=True, help="Keep cells that --out holds already (default), or compute all.")
+@_column_options("x", "y", "time")
 def run(
-    models: list[str] | None, datasets: list[str] | None, out: Path, jobs: int | None, quick: bool, resume: bool
+    models: list[str] | None,
+    datasets: list[str] | None,
+    out: Path,
+    jobs: int | None,
+    quick: bool,
+    resume: bool,
+    x: str | None,
+    y: str | None,
+    time: str | None,
 ) -> None:
     """Run models on datasets and write the HTML report.
 
+    A recording in a file is a dataset too: its last third is held out. --x, --y and --time name the columns of all files;
+    loop.csv?x=angle&y=torque those of one.
+
     \b
-    Example:
+    Examples:
       hystbench run --models maxwell-slip,cubic --datasets vsa-published --out report
+      hystbench run --datasets loop.csv --x angle --y torque --time t --out report
     """
     import os
 
@@ -82,7 +107,7 @@ def run(
 
     if out.exists() and not out.is_dir():
         raise InputError(f"--out {out} is a file; name a folder")
-    plan = plan_run(models, datasets, quick)
+    plan = plan_run(models, _with_columns(datasets, x=x, y=y, time=time), quick)
     if plan.absent:
         message(
             f"recorded data not on this machine, left out: {', '.join(plan.absent)}; `hystbench data fetch` gets them"
@@ -267,6 +292,64 @@ def invert(
     found = fitted.invert(columns["y"], x0=x0, approximate=approximate)
     write_recording(out, {columns.time_name: columns.time, x or DEFAULT_X: found, y or DEFAULT_Y: columns["y"]})
     click.echo(str(out))
+
+
+@cli.command()
+@click.option("--out", type=click.Path(path_type=Path), default=Path("hystbench-paper"), show_default=True,
+              help="Folder for paper.html, the figures and the data.")  # fmt: skip
+def paper(out: Path) -> None:
+    """Rebuild the tables and figures of the two source papers and audit them.
+
+    \b
+    Example:
+      hystbench paper --out paper      then open paper/paper.html
+    """
+    from ..reports.paper import write_paper
+
+    click.echo(str(write_paper(out)))
+
+
+@cli.command()
+@click.argument("real", metavar="REAL.csv...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--sim", required=True, multiple=True, type=click.Path(path_type=Path), metavar="SIM.csv|MODEL.json",
+              help="What the simulator says at the recording's times, one for each recording; or a saved model.")  # fmt: skip
+@click.option("--out", type=click.Path(path_type=Path), help="Folder for the page, the corrected simulator and next.csv.")
+@click.option("--json", "json_file", type=click.Path(path_type=Path), metavar="FILE", help="Write the diagnosis as JSON (- for stdout).")
+@click.option("--exclude", metavar="EFFECT,…", callback=_names, help="Effects not to consider, see `hystbench list effects`.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the bootstrap intervals.")
+@_column_options("x", "y", "time")
+def diagnose(
+    real: tuple[Path, ...], sim: tuple[Path, ...], out: Path | None, json_file: Path | None, exclude: list[str] | None,
+    seed: int, x: str | None, y: str | None, time: str | None,
+) -> None:  # fmt: skip
+    """Tell where a simulator and a recording disagree, which effect causes it, and how far the gap shrinks.
+
+    \b
+    Example:
+      hystbench diagnose real.csv --sim sim.csv --out diagnosis --json diagnosis.json
+    """
+    from ..diagnosis.delivery import deliver
+
+    for line in deliver(real, sim, out, json_file, exclude or [], seed, {"x": x, "y": y, "time": time}):
+        click.echo(line)
+
+
+@cli.command()
+@click.option("--out", type=click.Path(path_type=Path), default=Path("hystbench-blind"), show_default=True, help="Folder for the results and the page.")
+@click.option("--seeds", type=click.IntRange(1, 1000), default=1, show_default=True, help="Recordings of each case.")
+@click.option("--jobs", type=click.IntRange(1, 1024), help="Processes (default: one a core).")
+@click.option("--quick", is_flag=True, help="A part of the bank, for a first look.")
+def blind(out: Path, seeds: int, jobs: int | None, quick: bool) -> None:
+    """Check the diagnosis on recordings whose cause is sealed, and write the figures and a page.
+
+    \b
+    Example:
+      hystbench blind --out blind --seeds 2
+    """
+    from ..diagnosis.blind.check import check
+
+    for line in check(out, seeds, jobs, quick):
+        click.echo(line)
 
 
 cli.add_command(data)

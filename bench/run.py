@@ -18,7 +18,7 @@ from ..datasets import Dataset, DatasetUnavailableError
 from ..errors import InputError
 from ..files import write_text
 from ..plugins import BrokenPluginWarning
-from .cells import CellSpec, data_hash, fallback_cell, load_dataset, run_cell
+from .cells import CellSpec, data_hash, fallback_cell, run_cell
 from .conditions import conditions_for
 from .provenance import describe
 from .results import plain, read_cells, write_results
@@ -55,7 +55,8 @@ def plan_run(model_ids: Sequence[str] | None, dataset_ids: Sequence[str] | None,
     Parameters
     ----------
     model_ids, dataset_ids : sequence of str or None
-        None: all that are registered; recorded datasets whose files are absent are then left out and named.
+        None: all that are registered; recorded datasets whose files are absent are then left out and named. A
+        recording in a file is a dataset too, by its path (see :class:`hystbench.datasets.user_recording.UserRecording`).
     quick : bool
         One seed, fewer conditions, and of the datasets only those that are not extended (unless named).
 
@@ -76,9 +77,9 @@ def plan_run(model_ids: Sequence[str] | None, dataset_ids: Sequence[str] | None,
         if quick and not dataset_ids and getattr(datasets.get(name), "extended", False):
             plan.skipped.append({"what": f"dataset {name}", "why": "left out because the run is quick"})
             continue
-        datasets.get(name)
+        source = datasets.source(name)
         try:
-            dataset = load_dataset(name)
+            dataset = source.load()
         except (DatasetUnavailableError, InputError) as error:
             if dataset_ids:
                 raise InputError(str(error)) from None
