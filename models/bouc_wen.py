@@ -282,6 +282,13 @@ class BoucWen(HysteresisModel):
             Condition("every closed loop dissipates: beta >= |gamma| and (1 - alpha) stiffness >= 0", dissipates, told),
         ]
 
+    def _input_scale(self) -> float:
+        p = self.parameters_
+        if hasattr(self, "x_scale_") or p["A"] <= 0.0 or p["beta"] + p["gamma"] <= 0.0:
+            return super()._input_scale()
+        # Ten times the input over which the state would saturate at its initial slope.
+        return float(10.0 * (p["A"] / (p["beta"] + p["gamma"])) ** (1.0 / p["n"]) / p["A"])
+
     # ---- evaluation ------------------------------------------------------------------------------------------------
 
     def _predict_run(self, x: Floats) -> Floats:

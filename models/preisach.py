@@ -367,6 +367,11 @@ class Preisach(HysteresisModel):
             ),
         ]
 
+    def _input_scale(self) -> float:
+        # Twice the outermost threshold, so that a search for saturation passes it.
+        p = self.parameters_
+        return 2.0 * float(max(np.abs(p["alpha"]).max(), np.abs(p["beta"]).max()) + p["width"]) or 1.0
+
     # ---- evaluation ------------------------------------------------------------------------------------------------
 
     def _predict_run(self, x: Floats) -> Floats:

@@ -148,6 +148,12 @@ def test_the_inverse_is_exact(n: float) -> None:
     np.testing.assert_allclose(model.predict(model.invert(y)), y, atol=1e-6 * np.ptp(y))
 
 
+def test_the_inverse_reaches_inputs_in_any_unit() -> None:
+    model = BoucWen.from_parameters(stiffness=0.1, alpha=0.3, A=1.0, beta=0.04, gamma=0.01, n=1.0)
+    y = model.predict(60.0 * through([0.0, 0.9, -0.8, 0.7], 30))
+    np.testing.assert_allclose(model.predict(model.invert(y)), y, atol=1e-6 * np.ptp(y))
+
+
 def test_beyond_saturation_there_is_no_inverse() -> None:
     model = BoucWen.from_parameters(stiffness=1.0, alpha=0.0, A=1.0, beta=3.0, gamma=1.0, n=1.0)
     # The state is 0 at the first sample, and saturates at 1/4.
