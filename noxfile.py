@@ -67,7 +67,9 @@ def paper(session: nox.Session) -> None:
 def docs(session: nox.Session) -> None:
     """The documentation in docs/_build/html, each example run, warnings as errors."""
     _install(session, "docs")
-    session.run("sphinx-build", "-W", "--keep-going", "-q", "-b", "html", "docs", "docs/_build/html", *session.posargs, env=ENV)
+    session.run(
+        "sphinx-build", "-W", "--keep-going", "-q", "-b", "html", "docs", "docs/_build/html", *session.posargs, env=ENV
+    )
 
 
 @nox.session
@@ -75,3 +77,30 @@ def bench(session: nox.Session) -> None:
     """Speed: pytest-benchmark over the models."""
     _install(session, "test")
     session.run("pytest", "tests/benchmarks", "--benchmark-only", *session.posargs, env={**os.environ, **ENV})
+
+
+@nox.session
+def compare(session: nox.Session) -> None:
+    """This tree against another commit, run on one machine: `nox -s compare -- main --models cubic --quick`.
+
+    The first argument is the commit (default: where this branch left main), the others go to both runs.
+    """
+    arguments = list(session.posargs)
+    commit = arguments.pop(0) if arguments and not arguments[0].startswith("-") else ""
+    if not commit:
+        merge_base = session.run("git", "merge-base", "HEAD", "main", external=True, silent=True)
+        commit = str(merge_base).strip()
+    work = Path(session.create_tmp())
+    tree = work / "base"
+    session.run("git", "worktree", "prune", external=True)
+    session.run("git", "worktree", "add", "--detach", "--force", str(tree), commit, external=True)
+    try:
+        for name, source in (("base", tree), ("new", ROOT)):
+            # Not editable: each run must see one tree only.
+            session.install("--reinstall-package" if session.venv_backend == "uv" else "--force-reinstall",
+                            *(["hystbench"] if session.venv_backend == "uv" else []), str(source))  # fmt: skip
+            out = work / f"{name}-report"
+            session.run("hystbench", "run", *(arguments or ["--quick"]), "--fresh", "--out", str(out), env=ENV)
+        session.run("hystbench", "compare", str(work / "base-report"), str(work / "new-report"))
+    finally:
+        session.run("git", "worktree", "remove", "--force", str(tree), external=True)

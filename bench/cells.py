@@ -26,6 +26,7 @@ from .isolation import restored_process_state
 from .limits import CellTimeoutError, time_limit
 from .metrics import METRIC_VERSION, score
 from .results import METRIC_COLUMNS, TASKS, TIME_COLUMNS, plain, write_cell
+from .session import session_id
 from .timing import seconds_per_call
 
 __all__ = ["CellSpec", "data_hash", "fallback_cell", "run_cell"]
@@ -183,6 +184,7 @@ def _empty_cell(spec: CellSpec) -> dict[str, Any]:
         "dataset": spec.dataset,
         "condition": spec.condition,
         "seed": spec.seed,
+        "session": session_id(),
         "rows": [{**row, "task": task, **values, "status": "", "message": ""} for task in TASKS],
         "fit": None,
         "timing": {},

@@ -68,7 +68,12 @@ def cli() -> None:
 
 @cli.command()
 @click.option("--models", metavar="A,B", callback=_names, help="Model ids (default: all).")
-@click.option("--datasets", metavar="A,B", callback=_names, help="Dataset ids, or paths of recordings (default: all datasets that are on this machine).")
+@click.option(
+    "--datasets",
+    metavar="A,B",
+    callback=_names,
+    help="Dataset ids, or paths of recordings (default: all datasets that are on this machine).",
+)
 @click.option("--out", type=click.Path(path_type=Path), default=Path("hystbench-report"), show_default=True,
               help="Folder for results.parquet, run.json and report.html.")  # fmt: skip
 @click.option("--jobs", type=click.IntRange(1, 1024), help="Processes (default: one a core).")
@@ -153,27 +158,36 @@ def report(folder: Path) -> None:
 @click.argument("base", type=click.Path(path_type=Path))
 @click.argument("new", type=click.Path(path_type=Path))
 @click.option("--tolerance", default="5%", show_default=True, help="Allowed growth of a cell's NRMSE.")
-def compare(base: Path, new: Path, tolerance: str) -> int:
+@click.option("--time-tolerance", default="50%", show_default=True, help="Allowed growth of a model's times.")
+@click.option("--format", "form", type=click.Choice(["text", "markdown", "json"]), default="text", show_default=True,
+              help="markdown is for $GITHUB_STEP_SUMMARY.")  # fmt: skip
+def compare(base: Path, new: Path, tolerance: str, time_tolerance: str, form: str) -> int:
     """Compare two runs cell by cell: exit 1 if NEW is worse than BASE anywhere, 2 if nothing could be compared.
+
+    A cell is worse if its NRMSE grew by more than the tolerance and a paired test over its seeds agrees, if it failed or
+    is missing; a model, if all its cells together grew by more than half the tolerance. Times are compared if both runs
+    were made on one machine, one boot and one day.
 
     \b
     Example:
       hystbench compare main-report branch-report --tolerance 3%
     """
+    from .compare import changed_data, parse_tolerance, why_not_timed
     from .compare import compare as compare_tables
-    from .compare import parse_tolerance
-    from .results import read_results
+    from .comparison_output import write
+    from .results import read_document, read_results
 
-    limit = parse_tolerance(tolerance)
-    compared, differences = compare_tables(read_results(base), read_results(new), limit)
-    for difference in differences:
-        figures = f"{difference.base:.4g} -> {difference.new:.4g}" if difference.base == difference.base else ""
-        click.echo(f"{difference.kind:<12}{difference.cell}  {figures}  {difference.message}".rstrip())
-    worse = sum(d.kind in ("regression", "failed", "missing") for d in differences)
-    if not compared and not worse:
+    limit, time_limit = parse_tolerance(tolerance), parse_tolerance(time_tolerance, "--time-tolerance")
+    tables = read_results(base), read_results(new)
+    documents = read_document(base), read_document(new)
+    untimed = why_not_timed(*documents)
+    comparison = compare_tables(
+        *tables, limit, time_tolerance=None if untimed else time_limit, changed=changed_data(*documents)
+    )
+    if not comparison.compared and not comparison.worse:
         raise InputError(f"no cell of {base} has a result in {new}: nothing was compared")
-    click.echo(f"{compared} cells compared at {limit:.3g} tolerance, {worse} worse")
-    return EXIT_CHECK_FAILED if worse else 0
+    click.echo(write(comparison, form, untimed))
+    return EXIT_CHECK_FAILED if comparison.worse else 0
 
 
 @cli.command(name="list")
@@ -313,9 +327,19 @@ def paper(out: Path) -> None:
 @click.argument("real", metavar="REAL.csv...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--sim", required=True, multiple=True, type=click.Path(path_type=Path), metavar="SIM.csv|MODEL.json",
               help="What the simulator says at the recording's times, one for each recording; or a saved model.")  # fmt: skip
-@click.option("--out", type=click.Path(path_type=Path), help="Folder for the page, the corrected simulator and next.csv.")
-@click.option("--json", "json_file", type=click.Path(path_type=Path), metavar="FILE", help="Write the diagnosis as JSON (- for stdout).")
-@click.option("--exclude", metavar="EFFECT,…", callback=_names, help="Effects not to consider, see `hystbench list effects`.")
+@click.option(
+    "--out", type=click.Path(path_type=Path), help="Folder for the page, the corrected simulator and next.csv."
+)
+@click.option(
+    "--json",
+    "json_file",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Write the diagnosis as JSON (- for stdout).",
+)
+@click.option(
+    "--exclude", metavar="EFFECT,…", callback=_names, help="Effects not to consider, see `hystbench list effects`."
+)
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the bootstrap intervals.")
 @_column_options("x", "y", "time")
 def diagnose(
@@ -335,7 +359,13 @@ def diagnose(
 
 
 @cli.command()
-@click.option("--out", type=click.Path(path_type=Path), default=Path("hystbench-blind"), show_default=True, help="Folder for the results and the page.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("hystbench-blind"),
+    show_default=True,
+    help="Folder for the results and the page.",
+)
 @click.option("--seeds", type=click.IntRange(1, 1000), default=1, show_default=True, help="Recordings of each case.")
 @click.option("--jobs", type=click.IntRange(1, 1024), help="Processes (default: one a core).")
 @click.option("--quick", is_flag=True, help="A part of the bank, for a first look.")

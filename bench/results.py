@@ -20,6 +20,7 @@ __all__ = [
     "TASKS",
     "TIME_COLUMNS",
     "read_cells",
+    "read_document",
     "read_results",
     "table_of",
     "write_cell",
@@ -105,3 +106,13 @@ def read_results(where: str | Path) -> pd.DataFrame:
     if missing:
         raise InputError(f"{path}: not a result table of this version, it lacks {', '.join(missing)}")
     return table
+
+
+def read_document(where: str | Path) -> dict[str, Any]:
+    """The ``run.json`` of a run folder; empty if there is none that can be read."""
+    path = Path(where)
+    try:
+        document = json.loads(((path if path.is_dir() else path.parent) / "run.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return document if isinstance(document, dict) else {}

@@ -244,6 +244,8 @@ def _write_document(
         "finished": finished,
         "elapsed_s": round(time.perf_counter() - start, 3),
         "compile_s": compile_s,
+        # Cells kept from an earlier run keep that one's session: their times are as old as they are.
+        "sessions": sorted({cell.get("session", "unknown") for cell in cells.values()}),
     }
     write_text(out / "run.json", json.dumps(plain({**document, **state}), indent=1, allow_nan=False) + "\n")
 
