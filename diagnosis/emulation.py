@@ -45,8 +45,7 @@ class Emulator:
     name : str
         Which model emulates; ``"the simulator itself"`` where a model file was given.
     error : float
-        RMS error over the standard deviation of the simulator's output (the built-in emulator: on the blocks that
-        its fit did not see); 0 for the simulator itself.
+        RMS error over the standard deviation of the simulator's output; 0 for the simulator itself.
     structure, bulk : array, shape (n, m)
         Change of the output for a relative change of each parameter by one: fine structure, and bulk.
     """
@@ -95,11 +94,6 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
     return best
 
 
-def _alternate(signals: Signals) -> NDArray[np.bool_]:
-    """Every other twelfth of each recording."""
-    return signals.per_run(lambda run: (np.arange(run.stop - run.start) * 12 // (run.stop - run.start)) % 2 == 0)
-
-
 def _relative_error(predicted: Floats, wanted: Floats) -> float:
     return float(np.sqrt(np.mean(np.square(predicted - wanted))) / max(float(np.std(wanted)), 1e-300))
 
@@ -115,18 +109,14 @@ class _Generalised:
         self.lengths = np.geomspace(0.01, 0.4, BRISTLES) * self.reach
         elastic, stops, placed = self._parts(signals.x)
         rates = np.column_stack([signals.speed, signals.acceleration])
-        seen = _alternate(signals)
         free = np.hstack([elastic, placed, rates])
-        trial = _solve(free[seen], stops[seen], signals.y_sim[seen])
-        unseen = ~seen
-        guess = free[unseen] @ trial[: free.shape[1]] + stops[unseen] @ trial[free.shape[1] :]
-        self.error = _relative_error(guess, signals.y_sim[unseen])
         solution = _solve(free, stops, signals.y_sim)
         n_elastic, n_placed = elastic.shape[1], placed.shape[1]
         self.elastic = solution[:n_elastic]
         self.placed = solution[n_elastic : n_elastic + n_placed]
         self.rates = solution[n_elastic + n_placed : free.shape[1]]
         self.weights = solution[free.shape[1] :]
+        self.error = _relative_error(free @ solution[: free.shape[1]] + stops @ self.weights, signals.y_sim)
 
     def _parts(self, x: Floats, scale: float = 1.0) -> tuple[Floats, Floats, Floats]:
         signals = self.signals

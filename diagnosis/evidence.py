@@ -43,6 +43,8 @@ class Term:
     effect: Effect
     form: Form
     shape: tuple[float, ...]
+    laws: int = 1
+    """How many laws of the effect were tried."""
 
 
 @dataclass
@@ -299,7 +301,7 @@ class Evidence:
             shapes = [list(term.shape) for term in start.terms]
             for (i, j), value in zip(slots, decode(values), strict=True):
                 shapes[i][j] = float(value)
-            return tuple(Term(t.effect, t.form, tuple(s)) for t, s in zip(start.terms, shapes, strict=True))
+            return tuple(Term(t.effect, t.form, tuple(s), t.laws) for t, s in zip(start.terms, shapes, strict=True))
 
         def left(values: Floats) -> Floats:
             fitted = self.fit(terms_at(values), (start.scale,))

@@ -15,6 +15,7 @@ __all__ = ["HeldOut", "closed_share", "held_out"]
 Floats = NDArray[np.float64]
 FOLDS = 5
 BLOCKS_A_FOLD = 12
+"""At least."""
 MARGIN = 0.1
 """Part of a block's length that is left out of the fit on either side of it, so that memory does not leak."""
 RESAMPLES = 400
@@ -39,15 +40,25 @@ class HeldOut:
     recalibration: Floats
 
 
-def _folds(evidence: Evidence) -> list[tuple[NDArray[np.bool_], NDArray[np.bool_]]]:
+def _blocks(signal: Floats) -> int:
+    """Blocks a fold, so many that what is to be predicted does not hide in one of them (a stop touched once)."""
+    energy = np.square(signal)
+    total = float(energy.sum())
+    if total == 0.0:
+        return BLOCKS_A_FOLD
+    busy = total**2 / float(energy @ energy)
+    return int(np.clip(signal.size / (FOLDS * busy / 5.0), BLOCKS_A_FOLD, max(signal.size // (8 * FOLDS), 1)))
+
+
+def _folds(evidence: Evidence, blocks: int) -> list[tuple[NDArray[np.bool_], NDArray[np.bool_]]]:
     """(seen, held out) rows of each fold: interleaved blocks with margins."""
     n = evidence.scene.torque.size
-    edges = np.linspace(0, n, FOLDS * BLOCKS_A_FOLD + 1).astype(int)
-    margin = int(MARGIN * n / (FOLDS * BLOCKS_A_FOLD))
+    edges = np.linspace(0, n, FOLDS * blocks + 1).astype(int)
+    margin = int(MARGIN * n / (FOLDS * blocks))
     made = []
     for fold in range(FOLDS):
         out, near = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
-        for block in range(fold, FOLDS * BLOCKS_A_FOLD, FOLDS):
+        for block in range(fold, FOLDS * blocks, FOLDS):
             out[edges[block] : edges[block + 1]] = True
             near[max(edges[block] - margin, 0) : edges[block + 1] + margin] = True
         made.append((~near, out))
@@ -62,7 +73,7 @@ def held_out(evidence: Evidence, hypothesis: Hypothesis, evaluations: int = 4) -
     n = evidence.scene.torque.size
     signal, recalibration = np.zeros(n), np.zeros(n)
     parts = {name: np.zeros(n) for name in hypothesis.names}
-    for seen, out in _folds(evidence):
+    for seen, out in _folds(evidence, _blocks(hypothesis.signal)):
         part = Evidence(evidence.scene, seen, evidence.thinning)
         fitted = part.fit(hypothesis.terms, (hypothesis.scale,))
         if evaluations:

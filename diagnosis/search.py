@@ -29,14 +29,15 @@ class Library:
         made: list[Floats] = []
         start = 0
         for effect in effects:
-            for form in effect.forms(evidence.scene):
+            forms = effect.forms(evidence.scene)
+            for form in forms:
                 numbers = []
                 for shape in form.grid:
                     columns = form.columns(evidence.scene, shape)[evidence.rows]
                     if not np.all(np.isfinite(columns)) or not np.any(columns):
                         continue
                     numbers.append(len(self.terms))
-                    self.terms.append(Term(effect, form, shape))
+                    self.terms.append(Term(effect, form, shape, len(forms)))
                     self.slices.append(slice(start, start + columns.shape[1]))
                     made.append(columns)
                     start += columns.shape[1]
@@ -87,10 +88,12 @@ class Library:
         """
         base_columns = [c for number in base for c in range(self.slices[number].start, self.slices[number].stop)]
         base_terms = [self.terms[number] for number in base]
-        taken = {term.effect.id for term in base_terms}
+        # A special case beside the general effect would only be that effect again.
+        taken = {term.effect.id for term in base_terms}.union(*(term.effect.contains for term in base_terms))
+        own = {term.effect.id for term in base_terms}
         scores = np.full(len(self.terms), -np.inf)
         for numbers in self._alike.values():
-            chosen = [k for k in numbers if self.terms[k].effect.id not in taken]
+            chosen = [k for k in numbers if self.terms[k].effect.id not in taken and not own.intersection(self.terms[k].effect.contains)]
             if not chosen:
                 continue
             first = self.terms[chosen[0]]

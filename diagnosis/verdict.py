@@ -20,7 +20,9 @@ TEMPERATURE = 0.25
 """Share of the evidence that is trusted when alternatives are weighed: laws are never exact."""
 EFFECT_COST = 3.0
 """Logarithm of the prior odds against each further effect."""
-EFFECT_COST_REFITTED = 10.0
+EFFECT_COST_REFITTED = 12.0
+COINCIDENCE = 30.0
+"""Logarithm of the odds against effects that exceed the gap, for each factor e."""
 NEGLIGIBLE = 0.6
 """An effect smaller than this share of the noise is no gap beyond the noise."""
 WORTH = 0.04
@@ -59,12 +61,19 @@ def is_refitted(scale: Scale) -> bool:
     return scale[1] > 0.0 or scale[0] > FINE
 
 
-def _prior(hypothesis: Hypothesis) -> float:
+def _prior(hypothesis: Hypothesis, gap: float) -> float:
     """Logarithm of the prior odds; minus infinity for an effect that is only a special case of itself."""
+    if not hypothesis.terms:
+        return 0.0
     if any(term.effect.is_degenerate(hypothesis.parameters(term.effect.id)) for term in hypothesis.terms):
         return -np.inf
     # Beside a simulator that is off in many ways, an effect may always stand in for one more of them.
-    return -(EFFECT_COST_REFITTED if is_refitted(hypothesis.scale) else EFFECT_COST) * len(hypothesis.terms)
+    refitted = is_refitted(hypothesis.scale)
+    cost = (EFFECT_COST_REFITTED if refitted else EFFECT_COST) * len(hypothesis.terms)
+    cost += sum(float(np.log(term.laws)) for term in hypothesis.terms)
+    # Effects and errors of the simulator that are each larger than the gap and cancel would be a coincidence.
+    size = float(np.sqrt(np.mean(np.square(hypothesis.signal)))) / gap
+    return -cost - COINCIDENCE * float(np.log(max(size / 1.5, 1.0)))
 
 
 def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
@@ -72,8 +81,10 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     signals = evidence.scene.signals
     floor = evidence.sigma
     energy = max(float(np.mean(np.square(evidence.gap))) - floor**2, 1e-6 * floor**2)
-    found = [h for h in found if np.isfinite(_prior(h))]
-    ranked = sorted(found, key=lambda h: -(h.score + _prior(h)))
+    size = float(np.sqrt(np.mean(np.square(evidence.gap))))
+    priors = {id(h): _prior(h, size) for h in found}
+    found = [h for h in found if np.isfinite(priors[id(h)])]
+    ranked = sorted(found, key=lambda h: -(h.score + priors[id(h)]))
     best = _simplest(evidence, ranked, energy)
 
     # Miscalibration: does the refit of bulk parameters close more than fine structure alone does?
@@ -82,19 +93,20 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     misfit_fixed = _left_over(evidence, fixed)
     misfit_refit = _left_over(evidence, best)
     refit_gain = (np.mean(np.square(misfit_fixed)) - np.mean(np.square(misfit_refit))) / energy
-    miscalibrated = (
-        is_refitted(best.scale)
-        and refit_gain > RECALIBRATION_WORTH
-        and float(np.std(recalibration)) > NEGLIGIBLE * floor
-    )
+    if best.terms:
+        miscalibrated = is_refitted(best.scale) and refit_gain > RECALIBRATION_WORTH
+    else:
+        # With no effect at all, what the refit takes is the gap.
+        miscalibrated = is_refitted(best.scale) or energy > floor**2
+    miscalibrated = miscalibrated and float(np.std(recalibration)) > NEGLIGIBLE * floor
 
     held = held_out(evidence, best)
     after = signals.gap - held.signal - held.recalibration
     left = max(structured_power(after, signals.runs), 0.0)
     gap_power = max(structured_power(signals.gap, signals.runs), 1e-6 * floor**2)
     tempered = TEMPERATURE * effective_share(misfit_refit, signals.runs)
-    scores = np.array([h.score + _prior(h) for h in ranked])
-    own = best.score + _prior(best)
+    scores = np.array([h.score + priors[id(h)] for h in ranked])
+    own = best.score + _prior(best, size)
     weights = np.exp(np.clip(tempered * (scores - scores.max()), -700.0, 0.0))
     posterior: dict[frozenset[str], float] = {}
     odds: dict[frozenset[str], float] = {}
@@ -112,7 +124,7 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         "effects": float(len(best.terms)),
         "signal": float(np.std(best.signal) / floor),
         "recalibrated": float(refit_gain),
-        "closed": 1.0 - (float(np.mean(np.square(after))) - floor**2) / energy,
+        "closed": 1.0 - (float(np.mean(np.square(after if miscalibrated else signals.gap - held.signal))) - floor**2) / energy,
         "in_sample_left": float(np.sqrt(max(structured_power(misfit_refit, signals.runs), 0.0)) / floor),
     }
     verdict = sorted(best.names, key=lambda name: -float(np.mean(np.square(best.part(name)))))
@@ -124,7 +136,7 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         verdict = [UNKNOWN]
     return Choice(
         verdict, confidence(CONFIDENCE, verdict, features), best, held, miscalibrated, left / gap_power, features,
-        posterior, odds, _recalibration_rivals(verdict, best, found, tempered),
+        posterior, odds, _recalibration_rivals(verdict, best, own, found, tempered),
     )  # fmt: skip
 
 
@@ -142,13 +154,13 @@ def effective_share(residual: Floats, runs: Sequence[slice], longest: int = 200)
     return 1.0 / (1.0 + 2.0 * float(correlation[: ends[0] if ends.size else longest - 1].sum()))
 
 
-def _recalibration_rivals(verdict: Sequence[str], best: Hypothesis, found: Sequence[Hypothesis], tempered: float) -> list[str]:
+def _recalibration_rivals(verdict: Sequence[str], best: Hypothesis, own: float, found: Sequence[Hypothesis], tempered: float) -> list[str]:
     """Effects that a miscalibrated simulator would imitate, or be imitated by, on this recording."""
     blank = next(h for h in found if not h.terms)
     least = np.log(0.05) / tempered
     if len(best.names) == 1 and verdict == sorted(best.names):
         refitted = max((s for scale, s in blank.by_scale.items() if is_refitted(scale)), default=-np.inf)
-        return sorted(best.names) if refitted - best.score - _prior(best) > least else []
+        return sorted(best.names) if refitted - own > least else []
     if verdict == [MISCALIBRATION]:
         fixed = [
             (h, max(s for scale, s in h.by_scale.items() if not is_refitted(scale))) for h in found if len(h.terms) == 1

@@ -347,8 +347,8 @@ def _backlash(j: _Joint, a: float, rng: np.random.Generator) -> None:
 
 
 def _stop(j: _Joint, a: float, rng: np.random.Generator) -> None:
-    depth = np.maximum(j.x * rng.choice([-1.0, 1.0]) - rng.uniform(0.7, 0.88) * j.base.reach, 0.0)
-    sign = 1.0 if np.dot(depth, j.x) > 0.0 else -1.0
+    sign = rng.choice([-1.0, 1.0])
+    depth = np.maximum(sign * j.x - rng.uniform(0.7, 0.88) * np.max(sign * j.x), 0.0)
     soft = 0.02 * j.base.reach
     j.torque = j.torque + sign * a * 5.0 * j.scale / j.base.reach * (np.sqrt(depth**2 + soft**2) - soft)
 

@@ -13,7 +13,7 @@ __all__ = ["CyclicSoftening"]
 
 def _columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
     travel = scene.signals.travel
-    worn = 1.0 - np.exp(-travel / shape[0]) if shape else travel / max(float(travel.max()), 1e-300)
+    worn = 1.0 - np.exp(-travel / shape[0]) if shape else travel
     return (-worn * scene.torque)[:, None]
 
 
@@ -23,10 +23,10 @@ class CyclicSoftening(Effect):
     id: ClassVar[str] = "cyclic_softening"
     title: ClassVar[str] = "cyclic softening"
     summary: ClassVar[str] = "torque that falls with accumulated travel (Mullins effect, wear, damage)"
-    equation: ClassVar[str] = "y −= a w y_sim,  w = 1 − exp(−travel/L) or travel/total travel"
+    equation: ClassVar[str] = "y −= a w y_sim,  w = 1 − exp(−travel/L) or travel"
     coordinate: ClassVar[str] = "travel"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("softening", "1", 0.0, 1.0, "relative loss (at the end, or in the limit)"),
+        Parameter("softening", "1 (1/rad where linear)", 0.0, 1.0, "relative loss in the limit, or per travel"),
         Parameter("travel_constant", "rad", 0.0, np.inf, "travel after which 63 % of the loss has come"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("thermal_drift", "torque_gain")
@@ -35,7 +35,7 @@ class CyclicSoftening(Effect):
         total = float(scene.signals.travel.max())
         lengths = [(t,) for t in geometric(0.02 * total, 1.5 * total, 7)]
         return [
-            Form("linear", ("softening",), _columns, (0.0,), (1.0,)),
+            Form("linear", ("softening",), _columns, (0.0,), (1.0 / max(total, 1e-300),)),
             Form("exponential", ("softening",), _columns, (0.0,), (1.0,), ("travel_constant",), lengths,
                  [(0.005 * total, 3.0 * total)]),
         ]  # fmt: skip

@@ -14,7 +14,7 @@ __all__ = ["ThermalDrift"]
 
 def _warming(scene: Scene, shape: tuple[float, ...]) -> Floats:
     t = scene.signals.elapsed
-    return 1.0 - np.exp(-t / shape[0]) if shape else t / max(float(t.max()), 1e-300)
+    return 1.0 - np.exp(-t / shape[0]) if shape else t
 
 
 def _zero(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -31,7 +31,7 @@ def _self_heating(scene: Scene, shape: tuple[float, ...]) -> Floats:
     power = np.abs(scene.torque * s.speed)
     # The lag settles at its first input, so the joint starts cold where the power starts at zero.
     warm = s.lowpass(power, shape[0]) - power[0] * np.exp(-s.elapsed / shape[0])
-    return (warm / max(float(power.mean()), 1e-300))[:, None]
+    return warm[:, None]
 
 
 def _channel(name: str, stiffness: bool) -> Callable[[Scene, tuple[float, ...]], Floats]:
@@ -48,11 +48,11 @@ class ThermalDrift(Effect):
     id: ClassVar[str] = "thermal_drift"
     title: ClassVar[str] = "thermal drift"
     summary: ClassVar[str] = "zero or stiffness that drifts with time or temperature while the joint warms up"
-    equation: ClassVar[str] = "y += a w  or  y += a w y_sim,  w = 1 − exp(−t/τ), t/T, lagged |y v| or temperature rise"
+    equation: ClassVar[str] = "y += a w  or  y += a w y_sim,  w = 1 − exp(−t/τ), t, lagged |y v| or temperature rise"
     coordinate: ClassVar[str] = "time"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("zero_drift", "N·m (per K with a temperature channel)", -np.inf, np.inf, "drift of the zero"),
-        Parameter("stiffness_drift", "1 (per K with a temperature channel)", -np.inf, np.inf, "relative drift of the torque"),
+        Parameter("zero_drift", "N·m, N·m/s, N·m/W or N·m/K", -np.inf, np.inf, "drift of the zero"),
+        Parameter("stiffness_drift", "1, 1/s or 1/K", -np.inf, np.inf, "relative drift of the torque"),
         Parameter("time_constant", "s", 0.0, np.inf, "of warming up"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("cyclic_softening", "torque_gain", "torque_offset")

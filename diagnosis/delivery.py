@@ -1,0 +1,84 @@
+"""What ``hystbench diagnose`` reads, writes and says."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import click
+
+from ..errors import InputError
+from ..files import write_text
+from .diagnosis import Diagnosis, diagnose
+from .inputs import read_inputs
+from .verdict import MISCALIBRATION, UNKNOWN
+
+__all__ = ["deliver", "sentence"]
+
+
+def deliver(
+    real: Sequence[Path],
+    simulators: Sequence[Path],
+    out: Path | None,
+    json_file: Path | None,
+    exclude: Sequence[str],
+    seed: int,
+    columns: Mapping[str, str | None],
+) -> list[str]:
+    """Diagnose files, write what was asked for and return the lines for the terminal.
+
+    Raises
+    ------
+    InputError
+        If an input is bad or an output cannot be written; one line.
+    """
+    if out is not None and out.exists() and not out.is_dir():
+        raise InputError(f"--out {out} is a file; name a folder")
+    if json_file is not None and json_file.is_dir():
+        raise InputError(f"--json {json_file} is a folder; name a file")
+    signals, model = read_inputs(real, simulators, **columns)
+    found = diagnose(signals, model, exclude, seed)
+    lines = []
+    if out is not None:
+        from ..reports.diagnosis_page import write_diagnosis
+
+        found = write_diagnosis(found, out, model, [str(file) for file in real], [str(file) for file in simulators])
+        lines.append(str(out / "diagnosis.html"))
+    if json_file is not None:
+        if str(json_file) == "-":
+            return [found.to_json().rstrip("\n")]
+        write_text(json_file, found.to_json())
+    return [*summary(found), *lines]
+
+
+def sentence(found: Diagnosis) -> str:
+    """The verdict in one sentence."""
+    sure = f"(confidence {100.0 * found.confidence:.0f} %)"
+    if not found.verdict:
+        return f"No gap beyond the noise of {found.noise_floor:.3g} N·m {sure}."
+    if found.verdict == [UNKNOWN]:
+        return f"The gap of {found.rmse:.3g} N·m is real, but no effect that is known here explains it {sure}."
+    titles = {report.name: report.name.replace("_", " ") for report in found.effects}
+    named = [titles.get(name, name) for name in found.verdict if name != MISCALIBRATION]
+    if MISCALIBRATION in found.verdict:
+        named.append("the simulator's own parameters, which are off")
+    cause = named[0] if len(named) == 1 else f"{', '.join(named[:-1])} and {named[-1]}"
+    closed = min(max(found.closed_in_all, 0.0), 1.0)
+    return f"The gap of {found.rmse:.3g} N·m comes from {cause}; adding that closes {100.0 * closed:.0f} % of it {sure}."
+
+
+def summary(found: Diagnosis) -> list[str]:
+    """A few lines for the terminal."""
+    lines = [sentence(found)]
+    if found.places:
+        lines.append("where: " + ", ".join(f"{place.coordinate} {100.0 * place.share:.0f} %" for place in found.places[:3]))
+    for report in found.effects:
+        if report.name in found.verdict:
+            parameters = ", ".join(f"{name} = {value:.4g}" for name, value in report.parameters.items())
+            low, high = report.closed_interval
+            lines.append(f"{report.name}: {report.law}, {parameters}; closes {report.closed:.2f} [{low:.2f}, {high:.2f}], {report.adequacy}")
+    for pair in found.ambiguous:
+        lines.append(f"this recording cannot tell apart: {' and '.join(pair)}")
+    if found.next_recording:
+        lines.append(f"record next: {found.next_recording['file']} ({found.next_recording['why']})")
+    return [click.unstyle(line) for line in lines]
