@@ -1,0 +1,560 @@
+"""What is in a recording, measured before any model is fitted: sampling, noise, turns, loops, and what they depend on.
+
+Loops are found by rainflow counting over the input's turning points (Endo's four-point rule; ASTM E1049): a loop is
+closed once the input has come back to where it turned. Loops between the same two inputs make a class. Within a class,
+what changes with speed is rate dependence, with the number of loops before it drift, and with the output's level
+non-congruency; an output that is not where it was when its loop opened breaks wiping-out (Mayergoyz, Mathematical
+Models of Hysteresis, 1991). Every estimate has a 95 % interval, and what a recording cannot tell is None.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import t as student
+
+from ..models.motion import auto_dead_band, noise_level, turning_points
+from .base import Recording
+
+__all__ = [
+    "Congruency", "Coverage", "Estimate", "Gap", "Inspection", "Loop", "Sampling", "Signal", "classes", "closed_loops",
+    "inspect_recording", "quantum",
+]  # fmt: skip
+
+Floats = NDArray[np.float64]
+
+GAP = 3.0
+"""An interval of this many median ones is a gap."""
+
+BINS = 24
+"""Points along each branch at which loops are compared."""
+
+SAME_INPUT = 0.02
+"""Loops whose ends differ by less than this share of their swing are of one class."""
+
+SHORT = 0.03
+"""A loop counts as closed if the input comes back to within this share of its swing."""
+
+OTHER_HISTORY = 0.05
+"""Share of the output's range by which equal loops must differ in level for their histories to count as different."""
+
+LEAST_SPEED_RATIO = 1.5
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A value with its 95 % interval, from ``n`` observations."""
+
+    value: float
+    low: float
+    high: float
+    n: int
+
+    @property
+    def excludes_zero(self) -> bool:
+        return self.low > 0.0 or self.high < 0.0
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Missing samples: when they begin (s from the start) and how long they last (s)."""
+
+    at: float
+    length: float
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """Sampling instants. ``jitter`` is the standard deviation of the intervals, gaps apart, over their median."""
+
+    samples: int
+    duration: float
+    interval: float
+    jitter: float
+    gaps: tuple[Gap, ...]
+
+
+@dataclass(frozen=True)
+class Signal:
+    """A channel: its range, the deviation of its white noise and, where it has one, the step of its values."""
+
+    low: float
+    high: float
+    noise: float
+    quantum: float | None
+
+    @property
+    def span(self) -> float:
+        return self.high - self.low
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Turns of the input and what the half cycles between them cover.
+
+    Attributes
+    ----------
+    turns : int
+        Turns of more than ``dead_band``.
+    raw_turns : int
+        Changes of sign of the differences; those beyond ``turns`` are noise.
+    dead_band : float
+        In units of x.
+    swings, speeds : array, shape (m,)
+        Of each half cycle: change of x, and its mean speed.
+    """
+
+    turns: int
+    raw_turns: int
+    dead_band: float
+    swings: Floats
+    speeds: Floats
+
+
+@dataclass(frozen=True)
+class Loop:
+    """One closed loop.
+
+    Attributes
+    ----------
+    start, turn, end : int
+        Samples at which it opens, turns and is closed again.
+    low, high : float
+        The inputs between which it lies.
+    speed : float
+        Mean speed.
+    area : float
+        ∮ y dx: positive for a clockwise loop.
+    level, height : float
+        Mean output of both branches; output at the high end minus that at the low end.
+    gap : float
+        Output where the loop is closed minus output where it was opened; NaN where the input just fell short of it.
+    nested : bool
+        Whether it lies within a larger half cycle that goes on after it.
+    simple : bool
+        Whether it has two turns only, so no smaller loops within.
+    up, down : array, shape (BINS,)
+        Output along the rising and the falling branch, at even inputs from low to high.
+    """
+
+    start: int
+    turn: int
+    end: int
+    low: float
+    high: float
+    speed: float
+    area: float
+    level: float
+    height: float
+    gap: float
+    nested: bool
+    simple: bool
+    up: Floats
+    down: Floats
+
+    @property
+    def swing(self) -> float:
+        return self.high - self.low
+
+    @property
+    def range(self) -> float:
+        """Range of the output over both branches."""
+        return float(max(np.ptp(np.concatenate([self.up, self.down])), 1e-300))
+
+    @property
+    def half_width(self) -> float:
+        """Half the mean distance of the branches."""
+        return 0.5 * self.area / self.swing
+
+    @property
+    def crossing(self) -> float:
+        """Share of the area between the branches that has the other sense of rotation, 0 to 0.5."""
+        difference = self.down - self.up
+        parts = np.array([difference[difference > 0.0].sum(), -difference[difference < 0.0].sum()])
+        return float(parts.min() / parts.sum()) if parts.sum() > 0.0 else 0.0
+
+    @property
+    def asymmetry(self) -> float:
+        """RMS difference of the rising branch and the falling one turned by half a turn, over the loop's output range."""
+        both = np.concatenate([self.up, self.down])
+        odd = self.up + self.down[::-1] - 2.0 * both.mean()
+        return float(np.sqrt(np.mean(odd**2)) / self.range)
+
+
+@dataclass(frozen=True)
+class Congruency:
+    """Whether equal input extremes give equal loops whatever came before.
+
+    Attributes
+    ----------
+    defect : Estimate
+        RMS difference in shape, over the loops' output range, of pairs with different histories.
+    repeats : float
+        The same of pairs with the same history, or what noise alone makes of it.
+    """
+
+    defect: Estimate
+    repeats: float
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """Everything measured on a recording; None stands for what it cannot tell.
+
+    ``rate_width`` and ``rate_stiffness`` are the relative change of the loops' width and slope from the slowest to the
+    fastest loop of a class, ``speed_ratio`` being the ratio of these speeds. ``drift``, ``softening`` and ``narrowing``
+    are changes from the first to the last loop of a class: of the level and of the height over the loops' output
+    range, of the area over itself. ``closing`` and ``wiping_out`` are the mean gap of other and of nested loops over the
+    output's range. ``open_loop`` is the piece between the last two turns where no loop was closed.
+    """
+
+    sampling: Sampling
+    x: Signal
+    y: Signal
+    coverage: Coverage
+    loops: tuple[Loop, ...]
+    open_loop: Loop | None
+    area_noise: float
+    closing: Estimate | None
+    wiping_out: Estimate | None
+    congruency: Congruency | None
+    speed_ratio: float
+    rate_width: Estimate | None
+    rate_stiffness: Estimate | None
+    drift: Estimate | None
+    softening: Estimate | None
+    narrowing: Estimate | None
+
+    @property
+    def main_loops(self) -> tuple[Loop, ...]:
+        """The loops of at least nine tenths of the largest swing; the open one where none was closed."""
+        if not self.loops:
+            return (self.open_loop,) if self.open_loop else ()
+        whole = [loop for loop in self.loops if loop.simple] or self.loops
+        largest = max(loop.swing for loop in whole)
+        return tuple(loop for loop in whole if loop.swing >= 0.9 * largest)
+
+
+def inspect_recording(recording: Recording) -> Inspection:
+    """Measure everything that needs no model."""
+    time, x, y = recording.time, recording.x, recording.y
+    signals = [Signal(float(v.min()), float(v.max()), noise_level(v), quantum(v)) for v in (x, y)]
+    band = max(auto_dead_band(x), min(2.0 * (signals[0].quantum or 0.0), 0.05 * signals[0].span))
+    turns = turning_points(x, band)
+    swings = np.abs(np.diff(x[turns]))
+    loops = closed_loops(time, x, y, turns)
+    gaps = np.array([loop.gap for loop in loops if not loop.nested and np.isfinite(loop.gap)])
+    nested = np.array([loop.gap for loop in loops if loop.nested and np.isfinite(loop.gap)])
+    span = max(signals[1].span, 1e-300)
+    grouped = classes([loop for loop in loops if loop.simple])
+    ratio, rate = _rate(grouped)
+    drift = _drift(grouped)
+    return Inspection(
+        sampling=_sampling(time),
+        x=signals[0],
+        y=signals[1],
+        coverage=Coverage(
+            turns=turns.size - 2,
+            raw_turns=turning_points(x).size - 2,
+            dead_band=band,
+            swings=swings,
+            speeds=swings / np.diff(time[turns]),
+        ),
+        loops=tuple(loops),
+        open_loop=None if loops else _open_loop(time, x, y, turns),
+        area_noise=_area_noise(x, loops, signals[1]),
+        closing=_mean(gaps / span),
+        wiping_out=_mean(nested / span),
+        congruency=_congruency(grouped, signals[1]),
+        speed_ratio=ratio,
+        rate_width=rate[0],
+        rate_stiffness=rate[1],
+        drift=drift[0],
+        softening=drift[1],
+        narrowing=drift[2],
+    )
+
+
+# ---- one channel ---------------------------------------------------------------------------------------------------
+
+
+def _sampling(time: Floats) -> Sampling:
+    intervals = np.diff(time)
+    median = float(np.median(intervals))
+    late = intervals > GAP * median
+    gaps = tuple(Gap(float(time[k] - time[0]), float(intervals[k])) for k in np.flatnonzero(late))
+    jitter = float(np.std(intervals[~late]) / median)
+    # What rounding of large time stamps makes is not the sampling's.
+    rounding = 4.0 * np.spacing(np.abs(time).max()) / median
+    return Sampling(time.size, float(time[-1] - time[0]), median, 0.0 if jitter < rounding else jitter, gaps)
+
+
+def quantum(values: Floats) -> float | None:
+    """The step of which all differences of ``values`` are multiples; None where there is none.
+
+    Steps of less than 1e-7 of the range are taken for the rounding of printed digits, and steps that all neighbours in
+    time differ by for the speed of an even motion.
+    """
+    levels = np.unique(values)
+    span = float(levels[-1] - levels[0])
+    steps = np.diff(levels)
+    # The same level in two roundings is one level.
+    steps = steps[steps > 1e-9 * span]
+    if steps.size < 2 or (levels.size > values.size / 2 and steps.size < 8):
+        return None
+    found = float(steps.min())
+    for _ in range(3):
+        multiples = np.round(steps / found)
+        found = float(np.median(steps / multiples))
+    if found < 1e-7 * span or np.abs(steps / found - np.round(steps / found)).max() > 0.05:
+        return None
+    moves = np.round(np.abs(np.diff(values)) / found)
+    if np.unique(moves, return_counts=True)[1].max() > 0.8 * moves.size and np.median(moves) > 0.0:
+        return None
+    return found
+
+
+def _area_noise(x: Floats, loops: Sequence[Loop], y: Signal) -> float:
+    """Standard deviation that the noise of y gives to the area of the largest loop."""
+    if not loops:
+        return 0.0
+    largest = max(loops, key=lambda loop: loop.swing)
+    return float(y.noise * np.sqrt(np.sum(np.diff(x[largest.start : largest.end + 1]) ** 2)))
+
+
+# ---- loops ---------------------------------------------------------------------------------------------------------
+
+
+def closed_loops(time: Floats, x: Floats, y: Floats, turns: NDArray[np.intp]) -> list[Loop]:
+    """The loops that the input closes, each once, in the order of closing.
+
+    Parameters
+    ----------
+    time, x, y : array, shape (n,)
+    turns : array of int
+        Turning points of x, first and last sample included.
+    """
+    found = []
+    stack: list[int] = []  # places in turns
+    for place in range(turns.size):
+        stack.append(place)
+        while len(stack) >= 3:
+            p, q, r = (int(turns[k]) for k in stack[-3:])
+            inner, last = abs(x[q] - x[p]), abs(x[r] - x[q])
+            if last < (1.0 - SHORT) * inner:
+                break
+            if len(stack) > 3:
+                outer = abs(x[p] - x[turns[stack[-4]]])
+                if outer < (1.0 - SHORT) * inner:
+                    break
+                nested = min(outer, last) > (1.0 + SHORT) * inner
+            elif last > (1.0 + SHORT) * inner:
+                # Opened at the first turn and left beyond it: nothing says where its output should have been.
+                del stack[-3]
+                continue
+            else:
+                nested = False
+            loop = _loop(time, x, y, p, q, r, nested, simple=stack[-1] - stack[-3] == 2)
+            if loop is not None:
+                found.append(loop)
+            del stack[-3:-1]
+    return found
+
+
+def _loop(time: Floats, x: Floats, y: Floats, p: int, q: int, r: int, nested: bool, simple: bool) -> Loop | None:
+    way = 1.0 if x[p] > x[q] else -1.0
+    swing = abs(x[p] - x[q])
+    beyond = np.flatnonzero(way * (x[q : r + 1] - x[p]) >= 0.0)
+    end = q + int(beyond[0]) if beyond.size else r
+    if min(q - p, end - q) < 4:
+        return None
+    low, high = (float(x[q]), float(x[p])) if way > 0.0 else (float(x[p]), float(x[q]))
+    first, second = _branch(x[p : q + 1], y[p : q + 1], low, high), _branch(x[q : end + 1], y[q : end + 1], low, high)
+    up, down = (second, first) if way > 0.0 else (first, second)
+    part = slice(p, end + 1)
+    # The way from the last sample straight to the first closes the contour.
+    xs, ys = np.append(x[part], x[p]), np.append(y[part], y[p])
+    return Loop(
+        simple=simple,
+        start=p,
+        turn=q,
+        end=end,
+        low=low,
+        high=high,
+        speed=float(2.0 * swing / (time[end] - time[p])),
+        area=float(np.sum(0.5 * (ys[1:] + ys[:-1]) * np.diff(xs))),
+        level=float(0.5 * (up.mean() + down.mean())),
+        height=float(0.5 * (up[-1] + down[-1] - up[0] - down[0])),
+        gap=_gap(x, y, p, q, end, way, swing),
+        nested=nested,
+        up=up,
+        down=down,
+    )
+
+
+def _open_loop(time: Floats, x: Floats, y: Floats, turns: NDArray[np.intp]) -> Loop | None:
+    """What the two last half cycles have in common where the input never came back to a turn: sense and width are there."""
+    best = None
+    for p, q, r in zip(turns[:-2].tolist(), turns[1:-1].tolist(), turns[2:].tolist(), strict=True):
+        way = 1.0 if x[r] > x[q] else -1.0
+        inside = np.arange(p, q + 1)[way * (x[p : q + 1] - x[r]) <= 0.0]
+        start = int(inside[0]) if inside.size else p
+        loop = _loop(time, x, y, start, q, r, nested=True, simple=True)
+        if loop is not None and (best is None or loop.swing > best.swing):
+            best = replace(loop, gap=float("nan"))
+    return best
+
+
+def _gap(x: Floats, y: Floats, p: int, q: int, end: int, way: float, swing: float) -> float:
+    """Output where the loop closes minus that where it opened, both from lines over the last twentieth of the swing.
+
+    Lines over several samples keep noise small and find the output at exactly the input of the turn.
+    """
+    if way * (x[end] - x[p]) < -0.01 * swing:
+        return float("nan")
+    near = np.arange(q, end + 1)[way * (x[q : end + 1] - x[p]) >= -0.05 * swing]
+    before = p - np.arange(1, 4 * near.size + 8)
+    before = before[before >= 0]
+    # The way that led to the turn: the same branch as the one that comes back to it.
+    stop = np.flatnonzero((way * (x[before] - x[p]) < -0.05 * swing) | (way * (x[before] - x[p]) > 0.01 * swing))
+    before = before[: stop[0]] if stop.size else before
+    opened = _at(x[before], y[before], x[p]) if before.size >= 3 else float(y[p])
+    return _at(x[near], y[near], x[p]) - opened
+
+
+def _at(x: Floats, y: Floats, place: float) -> float:
+    """The line through the samples, read off at ``place``."""
+    if x.size < 3 or np.ptp(x) == 0.0:
+        return float(y[-1])
+    slope = float(np.cov(x, y)[0, 1] / np.var(x, ddof=1))
+    return float(y.mean() + slope * (place - x.mean()))
+
+
+def _branch(x: Floats, y: Floats, low: float, high: float) -> Floats:
+    """Mean output at ``BINS`` even inputs, shape (BINS,)."""
+    place = np.clip(((x - low) / (high - low) * BINS).astype(int), 0, BINS - 1)
+    count = np.bincount(place, minlength=BINS)
+    filled = np.flatnonzero(count)
+    sums = [np.bincount(place, weights=v, minlength=BINS)[filled] / count[filled] for v in (x, y)]
+    order = np.argsort(sums[0])
+    grid = low + (high - low) * (np.arange(BINS) + 0.5) / BINS
+    return np.interp(grid, sums[0][order], sums[1][order])
+
+
+def classes(loops: Sequence[Loop]) -> list[list[Loop]]:
+    """Loops between the same inputs, the class with the largest swing first."""
+    found: list[list[Loop]] = []
+    for loop in sorted(loops, key=lambda one: (-one.swing, one.start)):
+        for members in found:
+            first = members[0]
+            if max(abs(first.low - loop.low), abs(first.high - loop.high)) <= SAME_INPUT * first.swing:
+                members.append(loop)
+                break
+        else:
+            found.append([loop])
+    return [sorted(members, key=lambda one: one.start) for members in found]
+
+
+# ---- what the loops depend on --------------------------------------------------------------------------------------
+
+
+def _mean(values: Floats) -> Estimate | None:
+    if values.size < 2:
+        return None
+    half = student.ppf(0.975, values.size - 1) * np.std(values, ddof=1) / np.sqrt(values.size)
+    mean = float(values.mean())
+    return Estimate(mean, mean - float(half), mean + float(half), values.size)
+
+
+def _slope(target: Floats, first: Floats, second: Floats) -> Estimate | None:
+    """Least-squares slope of ``target`` over ``first``, with ``second`` held where the data can tell them apart."""
+    columns = [np.ones_like(first), first - first.mean()]
+    rest = second - second.mean()
+    if np.ptp(rest) > 0.0 and abs(np.corrcoef(columns[1], rest)[0, 1]) < 0.95 and target.size > 3:
+        columns.append(rest)
+    design = np.column_stack(columns)
+    freedom = target.size - design.shape[1]
+    if freedom < 1:
+        return None
+    solution = np.linalg.lstsq(design, target, rcond=None)[0]
+    variance = float(np.sum((target - design @ solution) ** 2)) / freedom
+    deviation = np.sqrt(variance * np.linalg.inv(design.T @ design)[1, 1])
+    half = float(student.ppf(0.975, freedom) * deviation)
+    return Estimate(float(solution[1]), float(solution[1]) - half, float(solution[1]) + half, target.size)
+
+
+def _scaled(estimate: Estimate | None, factor: float) -> Estimate | None:
+    if estimate is None or not np.isfinite(factor):
+        return None
+    low, high = sorted((estimate.low * factor, estimate.high * factor))
+    return Estimate(estimate.value * factor, low, high, estimate.n)
+
+
+def _rate(grouped: Sequence[Sequence[Loop]]) -> tuple[float, tuple[Estimate | None, Estimate | None]]:
+    """Largest ratio of speeds in a class, and the relative change of width and slope over that ratio."""
+    best: Sequence[Loop] = ()
+    ratio = 1.0
+    for members in grouped:
+        speeds = [loop.speed for loop in members]
+        if len(members) >= 3 and max(speeds) / min(speeds) > ratio:
+            best, ratio = members, max(speeds) / min(speeds)
+    if ratio < LEAST_SPEED_RATIO:
+        return ratio, (None, None)
+    speed = np.log([loop.speed for loop in best])
+    order = np.arange(len(best), dtype=np.float64)
+    found = []
+    width = np.array([loop.half_width for loop in best])
+    height = np.array([loop.height for loop in best])
+    for series, scale in ((width, abs(float(width.mean()))), (height, float(np.mean([loop.range for loop in best])))):
+        # Where speed and order cannot be told apart, drift would pass for rate dependence.
+        apart = abs(np.corrcoef(speed, order)[0, 1]) < 0.95
+        estimate = _slope(series, speed, order) if apart else None
+        found.append(_scaled(estimate, np.log(ratio) / max(scale, 1e-300)))
+    return ratio, (found[0], found[1])
+
+
+def _drift(grouped: Sequence[Sequence[Loop]]) -> tuple[Estimate | None, Estimate | None, Estimate | None]:
+    """Change from the first to the last loop of the most frequent class of level, height and area."""
+    # Of equally frequent classes the largest loops: they come first.
+    members = max(grouped, key=len, default=[])
+    if len(members) < 4:
+        return None, None, None
+    order = np.arange(len(members), dtype=np.float64)
+    speed = np.log([loop.speed for loop in members])
+    output = float(np.mean([loop.range for loop in members]))
+    area = abs(float(np.mean([loop.area for loop in members])))
+    found = []
+    for values, scale in (
+        ([loop.level for loop in members], output),
+        ([loop.height for loop in members], output),
+        ([loop.area for loop in members], area),
+    ):
+        found.append(_scaled(_slope(np.array(values), order, speed), order[-1] / max(scale, 1e-300)))
+    return found[0], found[1], found[2]
+
+
+def _congruency(grouped: Sequence[Sequence[Loop]], y: Signal) -> Congruency | None:
+    different, equal = [], []
+    for members in grouped:
+        shapes = [np.concatenate([loop.up, loop.down]) - loop.level for loop in members]
+        for i, j in combinations(range(min(len(members), 40)), 2):
+            speeds = members[i].speed, members[j].speed
+            if max(speeds) > LEAST_SPEED_RATIO * min(speeds):
+                continue
+            size = 0.5 * (np.ptp(shapes[i]) + np.ptp(shapes[j]))
+            defect = float(np.sqrt(np.mean((shapes[i] - shapes[j]) ** 2)) / max(size, 1e-300))
+            apart = abs(members[i].level - members[j].level) > OTHER_HISTORY * y.span
+            (different if apart else equal).append((defect, size))
+    if not different:
+        return None
+    values = np.array([defect for defect, _ in different])
+    size = float(np.mean([size for _, size in different]))
+    repeats = float(np.median([defect for defect, _ in equal])) if equal else np.sqrt(2.0) * y.noise / size
+    generator = np.random.default_rng(0)
+    means = generator.choice(values, (1000, values.size)).mean(axis=1)
+    low, high = np.quantile(means, [0.025, 0.975])
+    return Congruency(Estimate(float(values.mean()), float(low), float(high), values.size), float(repeats))
