@@ -13,7 +13,8 @@ import json
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,7 +23,19 @@ from ..errors import InputError
 from ..files import write_text
 from .stepping import ReplayStepper, Stepper
 
-__all__ = ["Condition", "Floats", "HysteresisModel", "InverseError", "Run", "load_parameters", "split_runs"]
+if TYPE_CHECKING:
+    from .inversion import InverseStepper
+
+__all__ = [
+    "Condition",
+    "Floats",
+    "HysteresisModel",
+    "InverseError",
+    "Run",
+    "load_parameters",
+    "sampling_intervals",
+    "split_runs",
+]
 
 Floats = NDArray[np.float64]
 SCHEMA = "hystbench/model/1"
@@ -41,6 +54,8 @@ class Run:
 
     x: Floats
     y: Floats
+    time: Floats | None = None
+    """Seconds, strictly increasing; None where no times were given."""
 
 
 @dataclass(frozen=True)
@@ -82,8 +97,32 @@ def split_runs(groups: ArrayLike | None, size: int) -> Iterator[slice]:
     if labels.shape != (size,):
         raise InputError(f"groups must have one label a sample, shape ({size},); its shape is {labels.shape}")
     edges = [0, *(np.flatnonzero(labels[1:] != labels[:-1]) + 1).tolist(), size]
-    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+    for start, stop in pairwise(edges):
         yield slice(start, stop)
+
+
+def sampling_intervals(time: Floats | None, size: int) -> Floats:
+    """Seconds since the previous sample, shape (size,), 0 at the first one; without times the samples are 1 s apart."""
+    dt = np.ones(size) if time is None else np.diff(time, prepend=time[0])
+    dt[0] = 0.0
+    return dt
+
+
+def _as_times(time: ArrayLike | None, size: int, parts: Sequence[slice]) -> Floats | None:
+    """``time`` as an array that rises strictly within each run, or say in one line where it does not."""
+    if time is None:
+        return None
+    times = as_series("time", time)
+    if times.shape != (size,):
+        raise InputError(f"time must have one value a sample, shape ({size},); its shape is {times.shape}")
+    for part in parts:
+        bad = np.flatnonzero(np.diff(times[part]) <= 0.0)
+        if bad.size:
+            k = part.start + int(bad[0]) + 1
+            raise InputError(
+                f"time must rise strictly within a run; time[{k}] = {times[k]:.6g} follows {times[k - 1]:.6g}"
+            )
+    return times
 
 
 class HysteresisModel:
@@ -108,6 +147,9 @@ class HysteresisModel:
     version: ClassVar[str] = "1"
     """Raised whenever the same data would give another result, so that kept results are not mistaken for new ones."""
     rate_independent: ClassVar[bool] = True
+    """Whether only the path of the input matters. A model for which it is not so overrides ``_predict_timed``."""
+    extended: ClassVar[bool] = False
+    """Whether a run leaves the model out unless it is asked for by name or ``--models all``."""
     minimum_samples: ClassVar[int] = 8
 
     parameters_: dict[str, Any]
@@ -136,11 +178,19 @@ class HysteresisModel:
         """Output over one run from the virgin state."""
         raise TypeError(f"{type(self).__name__} does not define _predict_run")
 
+    def _predict_timed(self, x: Floats, time: Floats | None) -> Floats:
+        """Output over one run at these times; a rate-independent model has no use for them."""
+        return self._predict_run(x)
+
     def _invert_run(self, y: Floats, x0: float, approximate: bool) -> Floats:
         """Input over one run; by default a search along the model's own trajectory, sample by sample."""
         from .inversion import invert_by_search
 
         return invert_by_search(self.stepper(), y, x0, self._input_scale(), approximate)
+
+    def _invert_timed(self, y: Floats, time: Floats | None, x0: float, approximate: bool) -> Floats:
+        """Input over one run at these times; a rate-independent model has no use for them."""
+        return self._invert_run(y, x0, approximate)
 
     def _input_scale(self) -> float:
         """A typical input amplitude, from which the search inverse takes its first steps and its limit."""
@@ -151,9 +201,21 @@ class HysteresisModel:
         self._require_fitted()
         return ReplayStepper(self._predict_run)
 
+    def inverse_stepper(self, x0: float = 0.0, *, approximate: bool = False) -> InverseStepper:
+        """The inverse one sample at a time, for a control loop: its ``step(y)`` returns x.
+
+        Parameters are those of :meth:`invert`; a rate-independent model's inputs agree with it to the search's tolerance
+        (1e-9 of the output's size).
+        """
+        from .inversion import InverseStepper
+
+        return InverseStepper(self.stepper(), float(x0), self._input_scale(), approximate)
+
     # ---- the public contract ---------------------------------------------------------------------------------------
 
-    def fit(self, x: ArrayLike, y: ArrayLike, groups: ArrayLike | None = None) -> Self:
+    def fit(
+        self, x: ArrayLike, y: ArrayLike, groups: ArrayLike | None = None, *, time: ArrayLike | None = None
+    ) -> Self:
         """Identify the parameters from a measured loop.
 
         Parameters
@@ -162,42 +224,65 @@ class HysteresisModel:
             Input (deflection, rad unless the data says otherwise) and output (torque, N·m).
         groups : array_like, shape (n,), optional
             Labels; the memory restarts where they change.
+        time : array_like, shape (n,), optional
+            Seconds, rising strictly within each run. Only rate-dependent models use it; without it they take the
+            samples as 1 s apart.
 
         Raises
         ------
         InputError
-            If an array is not 1-D, finite and of equal length, has too few samples, or ``x`` is constant.
+            If an array is not 1-D, finite and of equal length, has too few samples, ``time`` does not rise, or ``x`` is
+            constant.
         """
         x, y = as_series("x", x), as_series("y", y)
         if x.shape != y.shape:
             raise InputError(f"x and y must have the same length; they have {x.size} and {y.size}")
         if x.size < self.minimum_samples:
-            raise InputError(f"{x.size} samples are too few to identify {self.id}; give at least {self.minimum_samples}")
+            raise InputError(
+                f"{x.size} samples are too few to identify {self.id}; give at least {self.minimum_samples}"
+            )
         if np.ptp(x) == 0:
             raise InputError("x is constant: nothing can be identified; give a recording in which the input moves")
         for name, size in (("x", np.max(np.abs(x))), ("range of x", np.ptp(x)), ("y", np.max(np.abs(y)))):
             if size > LARGEST or 0.0 < size < 1.0 / LARGEST:
                 raise InputError(f"the {name} is of the order {size:.0e}, where powers overflow; choose other units")
-        runs = [Run(x[part], y[part]) for part in split_runs(groups, x.size)]
+        parts = list(split_runs(groups, x.size))
+        times = _as_times(time, x.size, parts)
+        runs = [Run(x[part], y[part], None if times is None else times[part]) for part in parts]
         self.notes_ = []
+        if times is None and not self.rate_independent:
+            self.notes_.append("no time was given: the samples are taken as 1 s apart")
         self.x_scale_ = float(np.max(np.abs(x)))
         self._set_parameters(self._check_parameters(**self._identify(runs)))
         return self
 
-    def predict(self, x: ArrayLike, groups: ArrayLike | None = None) -> Floats:
-        """Output for the input ``x``, shape (n,), from the virgin state; no state is kept between calls."""
+    def predict(self, x: ArrayLike, groups: ArrayLike | None = None, *, time: ArrayLike | None = None) -> Floats:
+        """Output for the input ``x``, shape (n,), from the virgin state; no state is kept between calls.
+
+        ``groups`` and ``time`` are as in :meth:`fit`.
+        """
         self._require_fitted()
         x = as_series("x", x)
         y = np.empty_like(x)
-        for part in split_runs(groups, x.size):
-            y[part] = self._predict_run(x[part])
+        parts = list(split_runs(groups, x.size))
+        times = _as_times(time, x.size, parts)
+        for part in parts:
+            y[part] = self._predict_timed(x[part], None if times is None else times[part])
         if not np.all(np.isfinite(y)):
             bad = int(np.flatnonzero(~np.isfinite(y))[0])
-            raise InputError(f"the output at x[{bad}] = {x[bad]:.6g} is not finite: the input is far beyond the model's range")
+            raise InputError(
+                f"the output at x[{bad}] = {x[bad]:.6g} is not finite: the input is far beyond the model's range"
+            )
         return y
 
     def invert(
-        self, y: ArrayLike, groups: ArrayLike | None = None, x0: float = 0.0, *, approximate: bool = False
+        self,
+        y: ArrayLike,
+        groups: ArrayLike | None = None,
+        x0: float = 0.0,
+        *,
+        approximate: bool = False,
+        time: ArrayLike | None = None,
     ) -> Floats:
         """Input that makes :meth:`predict` give ``y``, shape (n,), from the virgin state.
 
@@ -211,6 +296,8 @@ class HysteresisModel:
             Where several inputs give the first output, the one nearest to ``x0`` is taken.
         approximate : bool
             Where no input gives the wanted output, take the one whose output is nearest instead of raising.
+        time : array_like, shape (n,), optional
+            As in :meth:`fit`.
 
         Raises
         ------
@@ -220,8 +307,10 @@ class HysteresisModel:
         self._require_fitted()
         y = as_series("y", y)
         x = np.empty_like(y)
-        for part in split_runs(groups, y.size):
-            x[part] = self._invert_run(y[part], float(x0), approximate)
+        parts = list(split_runs(groups, y.size))
+        times = _as_times(time, y.size, parts)
+        for part in parts:
+            x[part] = self._invert_timed(y[part], None if times is None else times[part], float(x0), approximate)
         return x
 
     @classmethod
@@ -256,7 +345,11 @@ class HysteresisModel:
 
     @classmethod
     def _hyperparameters(cls) -> list[str]:
-        return [name for name in inspect.signature(cls.__init__).parameters if name != "self"] if cls.__init__ is not object.__init__ else []
+        return (
+            [name for name in inspect.signature(cls.__init__).parameters if name != "self"]
+            if cls.__init__ is not object.__init__
+            else []
+        )
 
     def get_params(self, deep: bool = True) -> dict[str, Any]:
         """Hyperparameters by name."""
@@ -350,4 +443,9 @@ def parameter_number(name: str, value: Any) -> float:
 
 def _shape_text(shape: tuple[int | None, ...]) -> str:
     names = iter("NMK")
-    return "(" + ", ".join(next(names) if length is None else str(length) for length in shape) + ("," if len(shape) == 1 else "") + ")"
+    return (
+        "("
+        + ", ".join(next(names) if length is None else str(length) for length in shape)
+        + ("," if len(shape) == 1 else "")
+        + ")"
+    )

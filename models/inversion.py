@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from .base import InverseError
 from .stepping import Stepper
 
-__all__ = ["invert_by_search"]
+__all__ = ["InverseStepper", "invert_by_search"]
 
 # The search leaves the training range by at most this factor: beyond it a model only extrapolates.
 REACH = 4.0
@@ -23,53 +23,83 @@ CANDIDATES = 16
 SLACK = 0.02
 
 
-def invert_by_search(
-    stepper: Stepper, y: NDArray[np.float64], x0: float, scale: float, approximate: bool
-) -> NDArray[np.float64]:
-    """Inputs whose outputs are ``y``, shape (n,), from the stepper's virgin state.
+class InverseStepper:
+    """The inverse one sample at a time, for a control loop: ``step(y)`` returns the input whose output is ``y``.
 
     Parameters
     ----------
     stepper : Stepper
-        Its ``peek`` is searched and its ``step`` called once a sample.
+        Its ``peek`` is searched and its ``step`` called once a sample. It is reset first.
     x0 : float
         The first input is searched for from here outwards.
     scale : float
-        Typical input amplitude.
+        Typical input amplitude: brackets start at a thousandth of it, and the search ends at four times of it.
     approximate : bool
         Where the output is not reached, take the input whose output is nearest instead of raising.
+    """
+
+    def __init__(self, stepper: Stepper, x0: float, scale: float, approximate: bool = False) -> None:
+        self._stepper = stepper
+        self._x0 = x0
+        self._scale = scale
+        self._approximate = approximate
+        self._limit = REACH * max(scale, abs(x0), 1e-12)
+        self.reset()
+
+    def reset(self) -> None:
+        """Return to the virgin state."""
+        self._stepper.reset()
+        self._samples = 0
+        self._here = self._x0
+        self._reached = self._stepper.peek(self._here)
+        self._first_step = self._step = FIRST_STEP * self._scale
+        ends = [self._stepper.peek(self._x0 + side * self._scale) for side in (-1.0, 1.0)]
+        self._output_scale = max(abs(value) for value in (*ends, self._reached, 1e-300))
+
+    def step(self, y: float) -> float:
+        """Move to the input whose output is ``y`` and return it.
+
+        Raises
+        ------
+        InverseError
+            If there is none within the search range and ``approximate`` is false; the memory then stays as it was.
+        """
+        target = float(y)
+        tolerance = 1e-9 * max(self._output_scale, abs(target))
+        first = self._samples == 0
+        found = _search(
+            self._stepper, target, self._here, self._reached, self._step, self._limit, tolerance, nearest=first
+        )
+        if found is None:
+            if not self._approximate:
+                _, error = _nearest(self._stepper, target, self._here, self._step, self._limit)
+                raise InverseError(
+                    f"no input gives the output y[{self._samples}] = {target:.6g}: from x = {self._here:.6g} the model "
+                    f"reaches it nowhere within {-self._limit:.4g} .. {self._limit:.4g}; the nearest output is off by "
+                    f"{error:.3g}. Pass approximate=True (command line: --approximate) to take the nearest."
+                )
+            # An answer that is not exact is not worth leaving the range of the training data.
+            found, _ = _nearest(self._stepper, target, self._here, self._step, max(self._scale, abs(self._x0)))
+        if not first:
+            self._step = max(self._first_step, abs(found - self._here))
+        self._samples += 1
+        self._here = found
+        self._reached = self._stepper.step(found)
+        return found
+
+
+def invert_by_search(
+    stepper: Stepper, y: NDArray[np.float64], x0: float, scale: float, approximate: bool
+) -> NDArray[np.float64]:
+    """Inputs whose outputs are ``y``, shape (n,), from the stepper's virgin state; see :class:`InverseStepper`.
 
     Raises
     ------
     InverseError
         If some output is not reached within the search range and ``approximate`` is false.
     """
-    stepper.reset()
-    x = np.empty_like(y)
-    limit = REACH * max(scale, abs(x0), 1e-12)
-    tolerance = 1e-9 * max(1e-300, float(np.max(np.abs(y))))
-    step = FIRST_STEP * scale
-    here = x0
-    reached = stepper.peek(here)
-    for k in range(y.size):
-        target = float(y[k])
-        found = _search(stepper, target, here, reached, step, limit, tolerance, nearest=k == 0)
-        if found is None:
-            if not approximate:
-                _, error = _nearest(stepper, target, here, step, limit)
-                raise InverseError(
-                    f"no input gives the output y[{k}] = {target:.6g}: from x = {here:.6g} the model reaches it nowhere "
-                    f"within {-limit:.4g} .. {limit:.4g}; the nearest output is off by {error:.3g}. "
-                    "Pass approximate=True (command line: --approximate) to take the nearest."
-                )
-            # An answer that is not exact is not worth leaving the range of the training data.
-            found, _ = _nearest(stepper, target, here, step, max(scale, abs(x0)))
-        x[k] = found
-        if k:
-            step = max(FIRST_STEP * scale, abs(found - here))
-        here = found
-        reached = stepper.step(found)
-    return x
+    inverse = InverseStepper(stepper, x0, scale, approximate)
+    return np.array([inverse.step(target) for target in y.tolist()])
 
 
 def _search(

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["KernelStepper", "ReplayStepper", "Stepper"]
+__all__ = ["ClockedStepper", "KernelStepper", "ReplayStepper", "Stepper", "TimedStepper"]
 
 
 class Stepper:
@@ -71,6 +71,56 @@ class KernelStepper(Stepper):
         larger = self._initial_state(self._capacity)
         larger[: self._state.size] = self._state
         self._state = larger
+
+
+class TimedStepper(Stepper):
+    """Stepper of a rate-dependent model around ``kernel(x, dt, state, parameters, commit) -> y``.
+
+    ``dt`` is the time since the previous sample in s, 1 unless given, as in ``predict`` without times; at the first
+    sample it has no meaning.
+    """
+
+    def __init__(
+        self,
+        kernel: Callable[[float, float, NDArray[np.float64], Any, bool], float],
+        initial_state: Callable[[], NDArray[np.float64]],
+        parameters: Any,
+    ) -> None:
+        self._kernel = kernel
+        self._initial_state = initial_state
+        self._parameters = parameters
+        self.reset()
+
+    def reset(self) -> None:
+        self._state = self._initial_state()
+
+    def step(self, x: float, dt: float = 1.0) -> float:
+        return self._kernel(x, dt, self._state, self._parameters, True)
+
+    def peek(self, x: float, dt: float = 1.0) -> float:
+        return self._kernel(x, dt, self._state, self._parameters, False)
+
+
+class ClockedStepper(Stepper):
+    """A rate-dependent model's stepper with the sampling intervals given beforehand, for the search inverse."""
+
+    def __init__(self, stepper: TimedStepper, intervals: NDArray[np.float64]) -> None:
+        self._stepper = stepper
+        # One more for a peek beyond the last sample.
+        self._intervals = [*intervals.tolist(), float(intervals[-1])]
+        self.reset()
+
+    def reset(self) -> None:
+        self._stepper.reset()
+        self._k = 0
+
+    def step(self, x: float) -> float:
+        y = self._stepper.step(x, self._intervals[self._k])
+        self._k += 1
+        return y
+
+    def peek(self, x: float) -> float:
+        return self._stepper.peek(x, self._intervals[self._k])
 
 
 class ReplayStepper(Stepper):

@@ -8,6 +8,7 @@ from hypothesis import given
 from motions import NESTED, through, turning_points
 
 from hystbench import models
+from hystbench.datasets import get as get_dataset
 from hystbench.models.inversion import invert_by_search
 from hystbench.models.stepping import ReplayStepper, Stepper
 
@@ -93,3 +94,25 @@ def test_closed_forms_and_search_agree(name: str) -> None:
     np.testing.assert_allclose(model.predict(searched), wanted, atol=1e-7 * np.ptp(wanted))
     np.testing.assert_allclose(model.predict(exact), wanted, atol=1e-7 * np.ptp(wanted))
     np.testing.assert_allclose(searched, exact, atol=1e-5)
+
+
+@pytest.mark.parametrize("name", ["maxwell-slip", "prandtl-ishlinskii", "choi-backlash", "bouc-wen", "preisach"])
+def test_the_streaming_inverse_gives_the_wanted_output_sample_by_sample(name: str) -> None:
+    data = get_dataset("vsa-published")().load().train[0]
+    model = models.get(name)().fit(data.x, data.y)
+    wanted = model.predict(0.7 * np.sin(np.linspace(0.0, 12.0, 300)))
+    inverse = model.inverse_stepper()
+    x = np.array([inverse.step(value) for value in wanted])
+    assert model.predict(x) == pytest.approx(wanted, abs=1e-6 * np.ptp(wanted))
+    inverse.reset()
+    assert inverse.step(wanted[0]) == x[0]
+
+
+def test_a_streaming_inverse_that_fails_once_keeps_its_memory() -> None:
+    relay = models.get("preisach").from_parameters(alpha=[0.5], beta=[-0.5], weights=[1.0], offset=0.0)
+    inverse, same = relay.inverse_stepper(), relay.inverse_stepper()
+    inverse.step(1.0)
+    same.step(1.0)
+    with pytest.raises(models.InverseError, match=r"y\[1\] = 0.3"):
+        inverse.step(0.3)
+    assert inverse.step(-1.0) == same.step(-1.0)
