@@ -12,7 +12,7 @@ loop width, scale of the deflection, rates), in which it differs only if it is b
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -53,6 +53,9 @@ class Emulator:
     name: str
     error: float
     predict: Callable[[Floats], Floats]
+    """Output over the recordings' samples for another input there."""
+    anew: Callable[[Floats], Floats]
+    """Output over one new motion, from the virgin state."""
     structure: Floats
     bulk: Floats
 
@@ -80,8 +83,8 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
     own = _Generalised(signals)
     groups = np.repeat(np.arange(len(signals.runs)), [run.stop - run.start for run in signals.runs])
     if model is not None:
-        return Emulator("the simulator itself", 0.0, lambda x: np.asarray(model.predict(x, groups)), *own.tangent())
-    best = Emulator("generalised Prandtl-Ishlinskii", own.error, own.predict, *own.tangent())
+        return Emulator("the simulator itself", 0.0, lambda x: np.asarray(model.predict(x, groups)), lambda x: np.asarray(model.predict(x)), *own.tangent())
+    best = Emulator("generalised Prandtl-Ishlinskii", own.error, own.predict, own.anew, *own.tangent())
     for name in COMPETITORS if own.error > GOOD_ENOUGH else ():
         try:
             rival = models.get(name)().fit(signals.x, signals.y_sim, groups)
@@ -90,7 +93,10 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
             continue
         error = _relative_error(np.asarray(rival.predict(signals.x, groups)), signals.y_sim)
         if error < best.error:
-            best = Emulator(name, error, lambda x, m=rival: np.asarray(m.predict(x, groups)), best.structure, best.bulk)
+            best = Emulator(
+                name, error, lambda x, m=rival: np.asarray(m.predict(x, groups)), lambda x, m=rival: np.asarray(m.predict(x)),
+                best.structure, best.bulk,
+            )  # fmt: skip
     return best
 
 
@@ -118,11 +124,11 @@ class _Generalised:
         self.weights = solution[free.shape[1] :]
         self.error = _relative_error(free @ solution[: free.shape[1]] + stops @ self.weights, signals.y_sim)
 
-    def _parts(self, x: Floats, scale: float = 1.0) -> tuple[Floats, Floats, Floats]:
-        signals = self.signals
-        played = signals.per_run(lambda run: plays(x[run], scale * self.thresholds))
+    def _parts(self, x: Floats, scale: float = 1.0, runs: Sequence[slice] | None = None) -> tuple[Floats, Floats, Floats]:
+        runs = self.signals.runs if runs is None else runs
+        played = np.concatenate([plays(x[run], scale * self.thresholds) for run in runs])
         stops = x[:, None] - played
-        signs = [signals.per_run(lambda run, w=w: bristle(x[run], scale * w)) * w for w in self.lengths]
+        signs = [np.concatenate([bristle(x[run], scale * w) for run in runs]) * w for w in self.lengths]
         u = x / self.reach
         elastic = np.polynomial.legendre.legvander(np.clip(u, -1.3, 1.3), DEGREE)
         some = stops[:, [ELEMENTS // 3, 2 * ELEMENTS // 3]]
@@ -131,6 +137,11 @@ class _Generalised:
 
     def predict(self, x: Floats) -> Floats:
         elastic, stops, placed = self._parts(x)
+        return elastic @ self.elastic + stops @ self.weights + placed @ self.placed
+
+    def anew(self, x: Floats) -> Floats:
+        """Output over one new motion."""
+        elastic, stops, placed = self._parts(x, runs=[slice(0, x.size)])
         return elastic @ self.elastic + stops @ self.weights + placed @ self.placed
 
     def tangent(self) -> tuple[Floats, Floats]:

@@ -82,6 +82,10 @@ class Hypothesis:
         """What the effects add to the simulator, N·m, shape (n,)."""
         return self.columns @ self.coefficients
 
+    def signal_on(self, scene: SimulatorScene) -> Floats:
+        """What the effects would add on another recording, N·m, shape (n,)."""
+        return effect_columns(scene, self.terms, self.coefficients) @ self.coefficients
+
     def part(self, name: str) -> Floats:
         """What one effect adds, N·m, shape (n,)."""
         start = 0
@@ -234,34 +238,18 @@ class Evidence:
 
     # ---- fitting ---------------------------------------------------------------------------------------------------
 
-    def columns(self, terms: Sequence[Term], guess: Floats | None = None) -> Floats:
-        """Columns of all terms, shape (n, k); effects of the sensor see the torque that the others changed.
-
-        ``guess`` are coefficients, shape (k,), from which that torque is made.
-        """
-        ordered = sorted(terms, key=lambda term: ORDER[term.effect.acts_on])
-        made: list[Floats] = []
-        scene, start = self.scene, 0
-        for term in ordered:
-            if guess is not None and made and ORDER[term.effect.acts_on] > 0:
-                before = np.hstack(made)
-                scene = self.scene.with_torque(self.scene.torque + before @ guess[: before.shape[1]])
-            made.append(term.form.columns(scene, term.shape))
-            start += made[-1].shape[1]
-        return np.hstack(made) if made else np.empty((self.scene.torque.size, 0))
-
     def fit(self, terms: Sequence[Term], scales: Sequence[Scale] = SCALES) -> Hypothesis:
         """Best coefficients and scale for given shapes."""
         ordered = tuple(sorted(terms, key=lambda term: ORDER[term.effect.acts_on]))
         lower = np.array([value for term in ordered for value in term.form.lower])
         upper = np.array([value for term in ordered for value in term.form.upper])
         unknowns = count_unknowns(ordered)
-        columns = self.columns(ordered)
+        columns = effect_columns(self.scene, ordered)
         best: Hypothesis | None = None
         # The first pass takes the effects as independent, the second lets later ones act on what earlier ones made.
         for _ in range(2 if len(ordered) > 1 else 1):
             if best is not None:
-                columns = self.columns(ordered, best.coefficients)
+                columns = effect_columns(self.scene, ordered, best.coefficients)
             best, by_scale = None, {}
             chosen = columns[self.rows]
             products = chosen.T @ chosen, chosen.T @ self.gap, self.gap_energy, self.inside(chosen)
@@ -314,6 +302,22 @@ class Evidence:
         )  # fmt: skip
         better = self.fit(terms_at(found.x), scales)
         return better if better.score > start.score else start
+
+
+def effect_columns(scene: SimulatorScene, terms: Sequence[Term], guess: Floats | None = None) -> Floats:
+    """Columns of all terms, shape (n, k); effects of the sensor see the torque that the others changed.
+
+    ``guess`` are coefficients, shape (k,), from which that torque is made.
+    """
+    made: list[Floats] = []
+    torque = scene.torque
+    for term in sorted(terms, key=lambda term: ORDER[term.effect.acts_on]):
+        if guess is not None and made and ORDER[term.effect.acts_on] > 0:
+            before = np.hstack(made)
+            made.append(term.form.columns(scene.with_torque(torque + before @ guess[: before.shape[1]]), term.shape))
+        else:
+            made.append(term.form.columns(scene, term.shape))
+    return np.hstack(made) if made else np.empty((torque.size, 0))
 
 
 def count_unknowns(terms: Sequence[Term]) -> int:

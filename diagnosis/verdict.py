@@ -22,8 +22,8 @@ EFFECT_COST = 3.0
 """Logarithm of the prior odds against each further effect."""
 EFFECT_COST_REFITTED = 12.0
 COINCIDENCE = 30.0
-"""Logarithm of the odds against effects that exceed the gap, for each factor e."""
-NEGLIGIBLE = 0.6
+"""Logarithm of the odds against effects of twice 1.5 times the gap; it grows as the square."""
+NEGLIGIBLE = 0.7
 """An effect smaller than this share of the noise is no gap beyond the noise."""
 WORTH = 0.04
 """Share of the gap's energy that an effect must close beside the others."""
@@ -33,6 +33,8 @@ CONTAINED = 0.002
 """Share of the gap's energy within which a special case is preferred to the general effect."""
 RECALIBRATION_WORTH = 0.06
 """Share of the gap's energy that the refit must close to be called a miscalibration."""
+RECALIBRATION_SHARE = 0.15
+"""Share of the gap's energy that the refit must close beside effects to be called a miscalibration in any case."""
 FINE = 0.02
 """Relative error of the simulator's fine structure that is no miscalibration: no two models agree better."""
 
@@ -52,6 +54,7 @@ class Choice:
     posterior: dict[frozenset[str], float]
     rivals: dict[frozenset[str], float]
     """Odds of other sets of effects against the verdict's."""
+    candidates: list[Hypothesis]
     recalibration_rivals: list[str]
     """Effects of the verdict for which an unnamed miscalibration could stand in, or the other way round."""
 
@@ -73,7 +76,7 @@ def _prior(hypothesis: Hypothesis, gap: float) -> float:
     cost += sum(float(np.log(term.laws)) for term in hypothesis.terms)
     # Effects and errors of the simulator that are each larger than the gap and cancel would be a coincidence.
     size = float(np.sqrt(np.mean(np.square(hypothesis.signal)))) / gap
-    return -cost - COINCIDENCE * float(np.log(max(size / 1.5, 1.0)))
+    return -cost - COINCIDENCE * max(size / 1.5 - 1.0, 0.0) ** 2
 
 
 def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
@@ -93,14 +96,18 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     misfit_fixed = _left_over(evidence, fixed)
     misfit_refit = _left_over(evidence, best)
     refit_gain = (np.mean(np.square(misfit_fixed)) - np.mean(np.square(misfit_refit))) / energy
+    held = held_out(evidence, best)
     if best.terms:
-        miscalibrated = is_refitted(best.scale) and refit_gain > RECALIBRATION_WORTH
+        # What the refit closes of the gap, on unseen samples, and beyond what fine structure would close.
+        alone = float(np.mean(np.square(signals.gap - held.signal)))
+        together = float(np.mean(np.square(signals.gap - held.signal - held.recalibration)))
+        needed = (alone - together) / energy > RECALIBRATION_SHARE
+        miscalibrated = needed or (is_refitted(best.scale) and refit_gain > RECALIBRATION_WORTH)
     else:
         # With no effect at all, what the refit takes is the gap.
         miscalibrated = is_refitted(best.scale) or energy > floor**2
     miscalibrated = miscalibrated and float(np.std(recalibration)) > NEGLIGIBLE * floor
 
-    held = held_out(evidence, best)
     after = signals.gap - held.signal - held.recalibration
     left = max(structured_power(after, signals.runs), 0.0)
     gap_power = max(structured_power(signals.gap, signals.runs), 1e-6 * floor**2)
@@ -136,7 +143,7 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         verdict = [UNKNOWN]
     return Choice(
         verdict, confidence(CONFIDENCE, verdict, features), best, held, miscalibrated, left / gap_power, features,
-        posterior, odds, _recalibration_rivals(verdict, best, own, found, tempered),
+        posterior, odds, list(ranked), _recalibration_rivals(verdict, best, own, found, tempered),
     )  # fmt: skip
 
 
@@ -177,7 +184,7 @@ def _nothing(best: Hypothesis, miscalibrated: bool, features: dict[str, float], 
 
 def _inadequate(features: dict[str, float]) -> bool:
     """Whether the best explanation leaves structure that neither noise nor an inexact law accounts for."""
-    return features["in_sample_left"] > 0.45 + 0.03 * features["gap"] or features["closed"] < 0.5
+    return features["in_sample_left"] > 0.45 + 0.04 * features["gap"] or (features["closed"] < 0.5 and features["gap"] > 1.2)
 
 
 def _left_over(evidence: Evidence, hypothesis: Hypothesis) -> Floats:

@@ -16,6 +16,10 @@ def _of_deflection(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.column_stack([x - scene.signals.lowpass(x, tau) for tau in shape])
 
 
+def _spectrum(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return _of_deflection(scene, (shape[0], 4.0 * shape[0], 16.0 * shape[0]))
+
+
 def _of_torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return (scene.torque - scene.signals.lowpass(scene.torque, shape[0]))[:, None]
 
@@ -31,6 +35,7 @@ class StressRelaxation(Effect):
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("stiffness", "N·m/rad", 0.0, np.inf, "of the (first) Maxwell branch"),
         Parameter("stiffness_2", "N·m/rad", 0.0, np.inf, "of the second branch"),
+        Parameter("stiffness_3", "N·m/rad", 0.0, np.inf, "of the third branch; a spectrum has time constants 1 : 4 : 16"),
         Parameter("share", "1", 0.0, np.inf, "part of the simulator's torque that relaxes"),
         Parameter("time_constant", "s", 0.0, np.inf, "of the (first) branch"),
         Parameter("time_constant_2", "s", 0.0, np.inf, "of the second branch"),
@@ -50,4 +55,6 @@ class StressRelaxation(Effect):
             Form("of the torque", ("share",), _of_torque, *free, ("time_constant",), [(t,) for t in times], [limits]),
             Form("two branches", ("stiffness", "stiffness_2"), _of_deflection, (0.0, 0.0), (np.inf, np.inf),
                  ("time_constant", "time_constant_2"), pairs, [limits, limits]),
+            Form("spectrum", ("stiffness", "stiffness_2", "stiffness_3"), _spectrum, (0.0,) * 3, (np.inf,) * 3,
+                 ("time_constant",), [(t,) for t in times[:7]], [limits]),
         ]  # fmt: skip

@@ -1,0 +1,160 @@
+"""What to record next: the shortest motion that tells apart what this recording cannot."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..datasets.recording_files import DEFAULT_TIME, DEFAULT_X, write_recording
+from .diagnosis import Diagnosis
+from .emulation import SimulatorScene, emulate
+from .evidence import SCALES, Evidence, Hypothesis
+from .signals import Signals
+from .verdict import MISCALIBRATION, TEMPERATURE, is_refitted
+
+__all__ = ["Limits", "candidate_motions", "design_next", "motion"]
+
+Floats = NDArray[np.float64]
+SETTLED = 4.6
+"""Logarithm of the tempered odds (100 to 1) at which a pair counts as told apart."""
+MOST_SAMPLES = 6000
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What the recorded motion kept: lowest and highest deflection, speed, acceleration, sampling interval."""
+
+    low: float
+    high: float
+    speed: float
+    acceleration: float
+    interval: float
+
+
+def limits_of(signals: Signals) -> Limits:
+    """The recording's limits; noise must not pass for speed, so the highest hundredth is left out."""
+    return Limits(
+        float(signals.smooth_x.min()), float(signals.smooth_x.max()),
+        float(np.quantile(np.abs(signals.speed), 0.99)), float(np.quantile(np.abs(signals.acceleration), 0.99)),
+        signals.interval,
+    )  # fmt: skip
+
+
+def motion(moves: Sequence[tuple[float, float, float]], start: float, limits: Limits) -> tuple[Floats, Floats]:
+    """Half-cosine moves between turning points, each followed by a hold.
+
+    Parameters
+    ----------
+    moves : sequence of (target, pace, hold)
+        Target in rad, pace as a share of the fastest allowed, hold in s.
+    start : float
+        rad.
+    """
+    at, parts = start, [np.array([start])]
+    for target, pace, hold in moves:
+        distance = abs(target - at)
+        # A half cosine over T peaks at π/2 · d/T in speed and π²/2 · d/T² in acceleration.
+        fastest = max(0.5 * np.pi * distance / limits.speed, np.pi * np.sqrt(0.5 * distance / limits.acceleration))
+        count = max(int(np.ceil(fastest / pace / limits.interval)), 1)
+        phase = np.arange(1, count + 1) / count
+        parts.append(at + (target - at) * (0.5 - 0.5 * np.cos(np.pi * phase)))
+        parts.append(np.full(round(hold / limits.interval), target))
+        at = target
+    x = np.concatenate(parts)
+    return np.arange(x.size) * limits.interval, x
+
+
+def candidate_motions(limits: Limits) -> Iterator[tuple[str, Floats, Floats]]:
+    """(what it does, time, x) of designed motions, roughly from short to long."""
+    middle = min(max(0.0, limits.low), limits.high)
+    up, down = limits.high, limits.low
+
+    def ladder(shares: Sequence[float], paces: Sequence[float], hold: float = 0.0) -> list[tuple[float, float, float]]:
+        return [
+            move
+            for share in shares
+            for pace in paces
+            for move in ((middle + share * (up - middle), pace, hold), (middle + share * (down - middle), pace, hold))
+        ]
+
+    rates = ladder((1.0, 0.4), (1.0, 0.25))
+    holds = ladder((1.0, 0.6), (0.9,), 2.0)
+    many = ladder((1.0, 0.7, 0.45, 0.2), (1.0, 0.5, 0.2, 0.08))
+    home = [(middle, 0.5, 0.0)]
+    idle = [(middle, 0.5, 8.0)]
+    first = ladder((1.0,), (0.6, 0.6))
+    for told, moves in (
+        ("two amplitudes at a high and a low rate", rates + home),
+        ("fast moves with holds", holds + home),
+        ("two rates and amplitudes, then holds", rates + holds + home),
+        ("four amplitudes at four rates", many + home),
+        ("four amplitudes at four rates with holds, and the first cycles again after a pause", first + many + holds + idle + first + home),
+        ("all that twice, with long pauses", first + many + holds + idle * 2 + many + idle * 2 + first + home),
+    ):
+        yield (told, *motion(moves, middle, limits))
+
+
+def design_next(found: Diagnosis, target: Path) -> dict[str, Any] | None:
+    """Write the shortest candidate motion that settles most ambiguous pairs to ``target``.
+
+    Returns CONTRACT's ``next_recording``; None if nothing is ambiguous or no motion within the limits settles a pair.
+    """
+    if not found.ambiguous:
+        return None
+    limits = limits_of(found.signals)
+    best: tuple[int, str, Floats, Floats, list[list[str]]] | None = None
+    for told, time, x in candidate_motions(limits):
+        if x.size > MOST_SAMPLES:
+            # Every so-manieth sample tells as much of so long a motion.
+            step = -(-x.size // MOST_SAMPLES)
+            trial_time, trial_x = time[::step], x[::step]
+        else:
+            trial_time, trial_x = time, x
+        settled = [pair for pair in found.ambiguous if settles(found, pair, trial_time, trial_x)]
+        if settled and (best is None or len(settled) > best[0]):
+            best = len(settled), told, time, x, settled
+        if len(settled) == len(found.ambiguous):
+            break
+    if best is None:
+        return None
+    _, told, time, x, settled = best
+    write_recording(target, {DEFAULT_TIME: time, DEFAULT_X: x})
+    return {"why": f"{told}, {time[-1]:.0f} s within the recorded limits", "settles": settled, "file": target.name}
+
+
+def settles(found: Diagnosis, pair: Sequence[str], time: Floats, x: Floats) -> bool:
+    """Whether the motion would tell the pair apart, whichever of the two were the truth."""
+    return all(_told_apart(found, true, false, time, x) for true, false in (pair, pair[::-1]) if true != MISCALIBRATION)
+
+
+def _told_apart(found: Diagnosis, true: str, false: str, time: Floats, x: Floats) -> bool:
+    truth = _with(found, true)
+    rival = None if false == MISCALIBRATION else _with(found, false)
+    if truth is None or (rival is None and false != MISCALIBRATION):
+        return False
+    y_sim = found.evidence.scene.emulator.anew(x)
+    blank = Signals(time, x, y_sim, y_sim, [slice(0, x.size)], {})
+    emulator = emulate(blank, None)
+    signal = truth.signal_on(SimulatorScene(blank, emulator))
+    noise = found.noise_floor * np.random.default_rng(found.seed).standard_normal(x.size)
+    recorded = Signals(time, x, y_sim + signal + noise, y_sim, [slice(0, x.size)], {})
+    evidence = Evidence(SimulatorScene(recorded, emulator))
+    own = evidence.refine(evidence.fit(truth.terms)).score
+    if rival is None:
+        against = evidence.fit((), tuple(scale for scale in SCALES if is_refitted(scale))).score
+    else:
+        against = evidence.refine(evidence.fit(rival.terms)).score
+    return TEMPERATURE * (own - against) > SETTLED
+
+
+def _with(found: Diagnosis, name: str) -> Hypothesis | None:
+    """The verdict's explanation if it has the effect, otherwise the best explanation by the effect instead."""
+    if name in found.choice.hypothesis.names:
+        return found.choice.hypothesis
+    swaps = [h for h in found.choice.candidates if name in h.names and len(h.names) == max(len(found.choice.hypothesis.names), 1)]
+    return max(swaps, key=lambda h: h.score, default=None)

@@ -1,0 +1,195 @@
+"""The pages of ``hystbench diagnose`` and ``hystbench blind``: one self-contained file each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+from matplotlib.collections import LineCollection
+
+from .. import __version__
+from ..diagnosis.attribution import profile
+from ..diagnosis.delivery import sentence
+from ..diagnosis.diagnosis import Diagnosis
+from ..files import write_text
+from .figures import COLOURS, INK, MEASURED, STYLE, _extremes, _figure, _svg
+
+__all__ = ["write_blind", "write_diagnosis"]
+
+UNITS = {
+    "time": "s", "position": "rad", "direction": "", "speed": "rad/s", "acceleration": "rad/s²",
+    "distance_since_reversal": "rad", "amplitude": "rad", "load": "N·m", "travel": "rad",
+}  # fmt: skip
+SHOWN_PLACES = 3
+
+
+def write_diagnosis(
+    found: Diagnosis, out: Path, model: Any | None, files: Sequence[str], simulators: Sequence[str]
+) -> Diagnosis:
+    """Write ``diagnosis.html``, ``diagnosis.json``, ``corrected.json``, ``formula.txt`` and, where effects stay
+    ambiguous, ``next.csv`` to ``out``; return the diagnosis with what to record next."""
+    from ..diagnosis.corrected import corrected_simulator, formula
+    from ..diagnosis.excitation import design_next
+
+    out.mkdir(parents=True, exist_ok=True)
+    found = replace(found, next_recording=design_next(found, out / "next.csv"))
+    told = formula(found)
+    if told:
+        write_text(out / "formula.txt", told + "\n")
+        corrected_simulator(found, model).save(out / "corrected.json")
+    write_text(out / "diagnosis.json", found.to_json())
+    page = _environment().get_template("diagnosis.html.j2").render(
+        version=__version__,
+        sentence=sentence(found),
+        gap={"rmse": f"{found.rmse:.3g}", "noise_floor": f"{found.noise_floor:.3g}", "recalibration": _percent(found.closed_by_recalibration)},
+        samples=found.signals.x.size,
+        places=[
+            {
+                "coordinate": p.coordinate.replace("_", " "),
+                "share": _percent(p.share),
+                "interval": f"{_percent(p.interval[0])} to {_percent(p.interval[1])}",
+                "range": f"{p.range[0]:.3g} to {p.range[1]:.3g} {UNITS.get(p.coordinate, '')}",
+            }
+            for p in found.places
+        ],
+        where_figures=_where_figures(found),
+        closing_figures=_closing_figures(found),
+        effects=[
+            {
+                "name": e.name.replace("_", " "),
+                "named": e.name in found.verdict,
+                "probability": f"{e.probability:.2f}",
+                "rmse_after": f"{e.rmse_after:.3g}",
+                "closed": f"{e.closed:.2f}",
+                "interval": f"{e.closed_interval[0]:.2f} to {e.closed_interval[1]:.2f}",
+                "law": e.law,
+                "adequacy": e.adequacy,
+                "parameters": ", ".join(f"{k.replace('_', ' ')} {v:.3g}" for k, v in e.parameters.items()),
+            }
+            for e in found.effects
+        ],
+        ambiguous=[" and ".join(pair).replace("_", " ") for pair in found.ambiguous],
+        next_recording=found.next_recording,
+        formula=told,
+        files=files,
+        simulators=simulators,
+        excluded=found.excluded,
+        seed=found.seed,
+        notes=found.notes,
+    )  # fmt: skip
+    write_text(out / "diagnosis.html", page)
+    return found
+
+
+def write_blind(scores: dict[str, Any], rows: Sequence[dict[str, Any]], out: Path) -> Path:
+    """Write ``out/blind.html`` and return its path."""
+    page = _environment().get_template("blind.html.j2").render(
+        version=__version__,
+        **{key: scores[key] for key in ("run", "all", "calibration", "coordinate", "closed", "seconds")},
+        groups=list(scores["groups"].items()),
+        confusion=[
+            (name.replace("_", " "), scores["effects"][name],
+             "; ".join(f"{verdict.replace('_', ' ')} {count}" for verdict, count in sorted(row.items(), key=lambda i: -i[1])))
+            for name, row in scores["confusion"].items()
+        ],
+        reliability=_reliability(scores["calibration"]["bins"]),
+        wrong=[row for row in rows if not row["right"]],
+    )  # fmt: skip
+    target = out / "blind.html"
+    write_text(target, page)
+    return target
+
+
+def _environment() -> Environment:
+    return Environment(
+        loader=PackageLoader("hystbench.reports"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.0f} %"
+
+
+def _where_figures(found: Diagnosis) -> list[dict[str, Any]]:
+    signals = found.signals
+    made = []
+    with mpl.rc_context(STYLE):
+        figure, axes = _figure(9.2, 4.0, 1, 1)
+        axis = axes[0, 0]
+        limit = float(np.quantile(np.abs(signals.gap), 0.98)) or 1.0
+        thin = np.unique(np.linspace(0, signals.x.size - 1, min(signals.x.size, 1500)).astype(int))
+        points = np.column_stack([signals.x[thin], signals.y_real[thin]])
+        pieces = np.stack([points[:-1], points[1:]], axis=1)
+        lines = LineCollection(list(pieces), cmap="coolwarm", norm=mpl.colors.Normalize(-limit, limit), linewidths=1.2)
+        lines.set_array(signals.gap[thin][:-1])
+        axis.add_collection(lines)
+        axis.autoscale()
+        axis.set_xlabel("deflection, rad")
+        axis.set_ylabel("recorded torque, N·m")
+        figure.colorbar(lines, ax=axis, label="gap, N·m")
+        made.append({"svg": Markup(_svg(figure, "gap on the loop", "Recorded loop, coloured by the gap")),
+                     "caption": "The gap (recording minus simulator) as colour on the recorded loop."})  # fmt: skip
+        shown = [p for p in found.places if p.coordinate in signals.coordinates][:SHOWN_PLACES]
+        if shown:
+            figure, axes = _figure(9.2, 2.8, 1, len(shown), sharey=True)
+            for axis, place in zip(axes.flat, shown, strict=True):
+                centres, means, rms = profile(signals.coordinates[place.coordinate], signals.gap)
+                axis.axhline(found.noise_floor, color=MEASURED, linewidth=0.8, linestyle="--")
+                axis.plot(centres, rms, color=COLOURS[1], linewidth=1.2, marker="o", markersize=2.5, label="RMS")
+                axis.plot(centres, means, color=COLOURS[0], linewidth=1.0, label="mean")
+                axis.set_xlabel(f"{place.coordinate.replace('_', ' ')} {UNITS.get(place.coordinate, '')}".strip())
+            axes.flat[0].set_ylabel("gap, N·m")
+            axes.flat[0].legend()
+            made.append({"svg": Markup(_svg(figure, "gap over coordinates", "Gap over each leading coordinate")),
+                         "caption": "Mean and RMS of the gap over each leading coordinate; dashed: the noise."})  # fmt: skip
+    return made
+
+
+def _closing_figures(found: Diagnosis) -> list[dict[str, Any]]:
+    signals = found.signals
+    held = found.choice.held
+    left = signals.gap - held.signal - (held.recalibration if found.choice.miscalibrated else 0.0)
+    made = []
+    with mpl.rc_context(STYLE):
+        figure, axes = _figure(9.2, 2.6, 1, 1)
+        axis = axes[0, 0]
+        for series, colour, label in ((signals.gap, MEASURED, "gap"), (left, COLOURS[1], "left over")):
+            kept = _extremes(series)
+            axis.plot(kept, series[kept], color=colour, linewidth=0.7, label=label)
+        axis.set_xlabel("sample")
+        axis.set_ylabel("N·m")
+        axis.legend()
+        made.append({"svg": Markup(_svg(figure, "gap over time", "Gap over time, and what is left of it")),
+                     "caption": "The gap over time, and what is left once the verdict is added, on samples the fit never saw."})  # fmt: skip
+        figure, axes = _figure(9.2, 0.5 * len(found.waterfall) + 0.9, 1, 1)
+        axis = axes[0, 0]
+        names = [name.replace("_", " ") for name, _ in found.waterfall]
+        axis.barh(range(len(names)), [rmse for _, rmse in found.waterfall], color=COLOURS[0], height=0.6)
+        axis.axvline(found.noise_floor, color=INK, linewidth=0.8, linestyle="--")
+        axis.set_yticks(range(len(names)), [names[0], *(f"+ {name}" for name in names[1:])])
+        axis.invert_yaxis()
+        axis.set_xlabel("RMS of what is left, N·m (dashed: noise)")
+        made.append({"svg": Markup(_svg(figure, "waterfall", "Gap after each effect")),
+                     "caption": "The gap after each effect, in the order in which they close most."})  # fmt: skip
+    return made
+
+
+def _reliability(bins: Sequence[dict[str, float]]) -> Markup:
+    with mpl.rc_context(STYLE):
+        figure, axes = _figure(4.6, 3.6, 1, 1)
+        axis = axes[0, 0]
+        axis.plot([0, 1], [0, 1], color=MEASURED, linewidth=0.8)
+        for b in bins:
+            axis.plot([b["stated"]] * 2, [b["low"], b["high"]], color=COLOURS[0], linewidth=0.8)
+        axis.plot([b["stated"] for b in bins], [b["right"] for b in bins], color=COLOURS[0], marker="o", linestyle="")
+        axis.set_xlabel("stated confidence")
+        axis.set_ylabel("frequency right")
+        axis.set_xlim(0, 1.02)
+        axis.set_ylim(0, 1.02)
+        return Markup(_svg(figure, "reliability", "Frequency right against stated confidence"))
