@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from .. import datasets, models
 from ..datasets import Dataset, Recording, concatenate
 from ..errors import InputError
+from .arguments import interval_arguments, time_argument
 from .conditions import Conditioned, apply
 from .isolation import restored_process_state
 from .limits import CellTimeoutError, time_limit
@@ -142,7 +143,7 @@ def warm_up(model: str) -> float:
     if hasattr(fitted, "stepper"):
         fitted.stepper().step(0.0)
     if hasattr(fitted, "invert"):
-        _invert(fitted, y[:20], 0.0)
+        _invert(fitted, y[:20], Recording("warm-up", t[:20], x[:20], y[:20]))
     return time.perf_counter() - start
 
 
@@ -209,9 +210,10 @@ def _fill(cell: dict[str, Any], arrays: dict[str, NDArray[Any]], spec: CellSpec)
     cell["filter"] = data.filter
     cell["compile_s"] = warm_up(spec.model)
     x, y, groups = concatenate(data.train)
+    train_time = np.concatenate([r.time for r in data.train])
     fitted = models.get(spec.model)()
     start = time.perf_counter()
-    fitted.fit(x, y, groups=groups)
+    fitted.fit(x, y, groups=groups, **time_argument(fitted.fit, train_time))
     timing = cell["timing"]
     timing["fit_s"] = time.perf_counter() - start
     cell["fit"] = {
@@ -255,19 +257,24 @@ def _score(row: dict[str, Any], truth: Floats, estimate: Floats, recordings: Seq
 def _forward(
     row: dict[str, Any], cell: dict[str, Any], arrays: dict[str, Any], fitted: Any, data: Conditioned, spec: CellSpec
 ) -> None:
-    estimate = fitted.predict(arrays["x_seen"], groups=arrays["recording"])
+    times = time_argument(fitted.predict, arrays["time"])
+    estimate = fitted.predict(arrays["x_seen"], groups=arrays["recording"], **times)
     _score(row, arrays["y_true"], estimate, data.truth, "the prediction")
     arrays["y_pred"] = np.asarray(estimate, dtype=np.float64)
     timing = cell["timing"]
-    x = data.test[0].x
-    timing["predict_ns_per_sample"] = 1e9 / x.size * seconds_per_call(lambda: fitted.predict(x), spec.timing_time)
+    first = data.test[0]
+    x, times = first.x, time_argument(fitted.predict, first.time)
+    timing["predict_ns_per_sample"] = (
+        1e9 / x.size * seconds_per_call(lambda: fitted.predict(x, **times), spec.timing_time)
+    )
     if hasattr(fitted, "stepper"):
         stepper = fitted.stepper()
-        block = x[:STEP_BLOCK].tolist()
+        further = interval_arguments(stepper.step, first.time)
+        block = [(value, *more) for value, more in zip(x[:STEP_BLOCK].tolist(), further, strict=False)]
 
         def steps() -> None:
-            for value in block:
-                stepper.step(value)
+            for sample in block:
+                stepper.step(*sample)
 
         timing["step_ns"] = 1e9 / len(block) * seconds_per_call(steps, spec.timing_time)
 
@@ -281,14 +288,15 @@ def _inverse(
     estimates = []
     start = time.perf_counter()
     for recording in data.test:
-        estimates.append(_invert(fitted, recording.y, float(recording.x[0])))
+        estimates.append(_invert(fitted, recording.y, recording))
     elapsed = time.perf_counter() - start
     estimate = np.concatenate(estimates)
     _score(row, arrays["x_true"], estimate, data.truth, "the inverse")
     arrays["x_inverse"] = estimate
     cell["timing"]["invert_ns_per_sample"] = 1e9 * elapsed / estimate.size
     wanted = np.concatenate([r.y for r in data.test])
-    back = fitted.predict(estimate, groups=arrays["recording"])
+    times = time_argument(fitted.predict, arrays["time"])
+    back = fitted.predict(estimate, groups=arrays["recording"], **times)
     share = float(np.mean(np.abs(back - wanted) > 1e-6 * np.ptp(wanted)))
     if share > 0.0:
         row["message"] = f"{share:.1%} of the samples have no exact inverse; the nearest output was taken there"
@@ -309,7 +317,7 @@ def _compensate(
     compensated, uncompensated = [], []
     for recording in data.truth:
         reference = recording.y
-        compensated.append(plant(recording.time, _invert(fitted, reference, float(recording.x[0]))))
+        compensated.append(plant(recording.time, _invert(fitted, reference, recording)))
         # Without a hysteresis model an engineer divides by the stiffness: the best line through the training data.
         uncompensated.append(plant(recording.time, (reference - level) / slope))
     _score(row, arrays["y_true"], np.concatenate(compensated), data.truth, "the compensated torque")
@@ -318,8 +326,9 @@ def _compensate(
     cell["uncompensated"] = score(arrays["y_true"], arrays["y_uncompensated"], _scored(data.truth))
 
 
-def _invert(fitted: Any, y: Floats, x0: float) -> Floats:
+def _invert(fitted: Any, y: Floats, recording: Recording) -> Floats:
     """The model's inverse, the nearest input where none is exact and the model can offer that."""
+    further = time_argument(fitted.invert, recording.time)
     if "approximate" in inspect.signature(fitted.invert).parameters:
-        return fitted.invert(y, x0=x0, approximate=True)
-    return fitted.invert(y, x0=x0)
+        further["approximate"] = True
+    return fitted.invert(y, x0=float(recording.x[0]), **further)
