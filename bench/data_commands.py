@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from pathlib import Path
 from typing import Any
 
 import click
@@ -16,7 +17,7 @@ __all__ = ["data"]
 
 @click.group(cls=CommandGroup)
 def data() -> None:
-    """List, fetch and verify the recorded datasets.
+    """Recorded datasets, and a look at recordings of your own.
 
     \b
     Example:
@@ -124,6 +125,62 @@ def verify(ids: tuple[str, ...]) -> int:
         )
         click.echo(f"{found.id}: {counts}")
     return EXIT_CHECK_FAILED if bad else 0
+
+
+@data.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--x", metavar="COL", help="Input column (default deflection_rad).")
+@click.option("--y", metavar="COL", help="Output column (default torque_nm).")
+@click.option("--time", metavar="COL", help="Time column (default time_s; if absent, samples are numbered).")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder for check.html, the findings with pictures.")
+@click.option("--json", "as_json", is_flag=True, help="Machine-readable.")
+def check(file: Path, x: str | None, y: str | None, time: str | None, out: Path | None, as_json: bool) -> None:
+    """Tell what is in a recording before anything is fitted to it, and which models it suits.
+
+    Lines marked ! will show in a model's errors; ? is what the recording cannot tell.
+
+    \b
+    Example:
+      hystbench data check loop.csv --x angle --y torque --out check
+    """
+    import numpy as np
+
+    from ..datasets import Recording
+    from ..datasets.findings import applicable_models, findings
+    from ..datasets.inspection import inspect_recording
+    from ..datasets.recording_files import DEFAULT_X, DEFAULT_Y, read_columns
+
+    if out is not None and out.exists() and not out.is_dir():
+        raise InputError(f"--out {out} is a file; name a folder")
+    names = (x or DEFAULT_X, y or DEFAULT_Y)
+    columns = read_columns(file, {"x": names[0], "y": names[1]}, time)
+    for axis, name in zip("xy", names, strict=True):
+        if np.ptp(columns[axis]) == 0.0:
+            raise InputError(f"{file}: column {name!r} is constant: there is no loop in it; record a motion")
+    recording = Recording(file.name, columns.time, columns["x"], columns["y"])
+    found = inspect_recording(recording)
+    told, judged = findings(found, *names, notes=columns.notes), applicable_models(found)
+    if as_json:
+        document = {
+            "schema": "hystbench/check/1",
+            "file": str(file),
+            "columns": {"time": columns.time_name, "x": names[0], "y": names[1]},
+            "findings": [vars(one) for one in told],
+            "models": [vars(one) for one in judged],
+            "measured": found.document(),
+        }
+        click.echo(json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False))
+    else:
+        marks = {"good": " ", "note": " ", "warn": "!", "unknown": "?"}
+        for finding in told:
+            click.echo(f"{marks[finding.judged]} {finding.subject:<16} {finding.text}")
+        click.echo("")
+        for model in judged:
+            click.echo(f"  {model.model:<28} {model.judged:<7} {model.why}")
+    if out is not None:
+        from ..reports.check_page import write_check_page
+
+        message(str(write_check_page(out, recording, found, told, judged, names)))
 
 
 @data.command()

@@ -10,8 +10,9 @@ Models of Hysteresis, 1991). Every estimate has a 95 % interval, and what a reco
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -228,6 +229,21 @@ class Inspection:
     drift: Estimate | None
     softening: Estimate | None
     narrowing: Estimate | None
+
+    def document(self) -> dict[str, Any]:
+        """Everything but the branches of the loops, as JSON can hold it."""
+
+        def plain(value: Any) -> Any:
+            if is_dataclass(value):
+                kept = (f.name for f in fields(value) if f.name not in ("up", "down"))
+                return {name: plain(getattr(value, name)) for name in kept}
+            if isinstance(value, tuple | list):
+                return [plain(one) for one in value]
+            if isinstance(value, np.ndarray | np.generic):
+                return plain(value.tolist())
+            return None if isinstance(value, float) and not np.isfinite(value) else value
+
+        return plain(self)
 
     @property
     def main_loops(self) -> tuple[Loop, ...]:
