@@ -7,6 +7,7 @@ derivative of the torque (A.5), the elongation is 2 (l1 + l2 − l3).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,12 +21,14 @@ __all__ = [
     "CONFIGURATIONS",
     "PRELOADS",
     "Branch",
+    "EquationCheck",
     "StiffnessCheck",
     "belt",
     "c1_derived",
     "c1_printed",
     "c2_printed",
     "elongation",
+    "equation_checks",
     "lever",
     "lever_rate",
     "stiffness_checks",
@@ -187,3 +190,55 @@ def stiffness_checks() -> list[StiffnessCheck]:
                 worst = float(np.max(np.abs(given - measured)) / scale)
                 rows.append(StiffnessCheck(title, count, preload, float(given[-1]), float(measured[-1]), worst))
     return rows
+
+
+@dataclass(frozen=True)
+class EquationCheck:
+    """One equation of the appendix at 1 rad: its printed right-hand side and what it should equal."""
+
+    equation: str
+    unit: str
+    against: str
+    printed: float
+    derived: float
+
+    @property
+    def agrees(self) -> bool:
+        return abs(self.printed - self.derived) <= 1e-6 * max(abs(self.printed), abs(self.derived))
+
+
+def equation_checks() -> list[EquationCheck]:
+    """A.1 to A.12 at 1 rad with :data:`ASSUMED`, each against geometry, energy or finite differences."""
+    b = ASSUMED
+    one = replace(b, count=1)
+    theta, step = np.array(1.0), 1e-6
+
+    def rate(function: Callable[[Floats, Branch], Floats], branch: Branch = one) -> float:
+        return float(function(theta + step, branch) - function(theta - step, branch)) / (2.0 * step)
+
+    def energy(stretch: float) -> float:
+        return 0.5 * b.k * stretch**2 + b.preload * stretch
+
+    crank = b.l1 * np.array([1.0, 0.0])
+    link = b.l3 * np.array([np.cos(theta), np.sin(theta)])
+    along = link - crank
+    stretch = float(elongation(theta, b))
+    force = b.k * stretch + b.preload
+    arm = abs(float(crank[0] * along[1] - crank[1] * along[0])) / float(np.hypot(*along))
+    a4 = b.k * (stretch + b.x0) * float(lever(theta, b))
+    rows = [
+        ("A.1", "m", "length of link minus crank as vectors", float(belt(theta, b)), float(np.hypot(*along))),
+        ("A.2", "N·m", "virtual work of the belt force, ∂δl_e/∂θ F_e", force * arm, float(torque_virtual_work(theta, one))),
+        ("A.3, |l̂2 × l1|", "m", "∂l2/∂θ by differences", arm, rate(belt)),
+        ("A.3, l1 l3 sin θ / l2", "m", "∂l2/∂θ by differences", float(lever(theta, b)), rate(belt)),
+        ("A.4", "N·m", "F_e J_e with A.10 and A.11", a4, force * arm),
+        ("A.6 with ∂J_e/∂θ", "N·m/rad", "derivative of A.4 by differences (A.5)", float(stiffness_restored(theta, one)), rate(torque_a9)),
+        ("A.7, c1", "m²", "derivative of A.4 by k, by differences", float(c1_printed(theta, b)), rate(lambda t, q: elongation(t, q) * lever(t, q))),
+        ("A.7, c2", "m", "∂J_e/∂θ by differences", float(c2_printed(theta, b)), rate(lever)),
+        ("A.8 with ∂J_e/∂θ", "N·m/rad", "derivative of A.9 by differences", float(stiffness_restored(theta, b)), rate(torque_a9, b)),
+        ("A.9", "N·m", "N times A.4", float(torque_a9(theta, b)), b.count * a4),
+        ("A.10", "N", "derivative of the belt's energy by its elongation", force, (energy(stretch + step) - energy(stretch - step)) / (2.0 * step)),
+        ("A.11", "N", "A.10 at δl_e = 0", b.k * b.x0, b.preload),
+        ("A.12", "N·m", "A.9 with N = 6", float(torque_a12(theta, b)), float(torque_a9(theta, b))),
+    ]  # fmt: skip
+    return [EquationCheck(*row) for row in rows]

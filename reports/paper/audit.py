@@ -391,7 +391,7 @@ def _() -> Found:
     return (
         f"{len(clashes)} symbols with {sum(clashes.values())} meanings",
         all(n > 1 for n in clashes.values()),
-        {s: n for s, n in clashes.items()},
+        dict(clashes),
     )
 
 
@@ -434,6 +434,7 @@ def _() -> Found:
     printed="x_3 from p(x_2), k(x_2) (ascending curve) and x_4 from p(x_1), k(x_1) (descending curve)",
     how="x_3 and x_4 on Table 1 with the printed curves (minus sign) and with each point's own curve",
     reading="x_3 is on the descending curve (HI), x_4 on the ascending curve (JK)",
+    note="With the printed curves each line is an identity: it returns the point that it starts from.",
 )  # fmt: skip
 def _() -> Found:
     k = slope("I", "J")

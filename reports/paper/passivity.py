@@ -21,6 +21,7 @@ from scipy.optimize import brentq
 from ... import models
 from ...datasets.published_loop import ASCENDING, DESCENDING, TRANSITION_NEG, TRANSITION_POS
 from ...datasets.trajectories import reversals
+from ...errors import InputError
 from ...models import Condition
 from .loop import curve, gap_between_curves, slopes
 from .printed import SECOND_PAPER_DEGREE
@@ -181,6 +182,11 @@ def loop_types(model: Any, side: str = "pos") -> list[LoopType]:
 
     The paper covers positive deformation; ``side="neg"`` does the same for negative deformation, where low and high
     swap their roles.
+
+    Raises
+    ------
+    InputError
+        If the transition lines are too long for the loops' turning points.
     """
     p = model.parameters_
     sign = 1.0 if side == "pos" else -1.0
@@ -199,6 +205,11 @@ def loop_types(model: Any, side: str = "pos") -> list[LoopType]:
         return Polynomial([value - slope * through, slope])
 
     def meets(a: Polynomial, b: Polynomial, start: float, stop: float) -> float:
+        if (a(start) - b(start)) * (a(stop) - b(stop)) > 0.0:
+            raise InputError(
+                f"no loop of Fig. 23 fits between {start:.3g} and {stop:.3g}: a transition line does not meet the curve "
+                "there; give steeper transition slopes"
+            )
         return float(brentq(lambda t: float(a(t) - b(t)), start, stop, xtol=1e-15))
 
     def area(a: Polynomial, b: Polynomial, start: float, stop: float) -> float:

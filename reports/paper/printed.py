@@ -108,7 +108,6 @@ INTRODUCED_MODELS = ("Preisach", "Bouc-Wen", "Preisach", "Prandtl-Ishlinskii", "
 
 SYMBOL_CLASHES = {
     "k_1, k_2": ("two parts of the joint stiffness in A.6", "element stiffnesses in Eq. 16 and Table 3"),
-    "N": ("the number of branches", "the number of elements in Eqs. 16 and 17"),
     "T": ("the torque", "written τ in Table 2"),
     "k+, k−": ("the transition slopes in Eq. 12", "written K+, K− in Table 1"),
 }

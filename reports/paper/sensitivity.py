@@ -15,6 +15,7 @@ from ...datasets import Dataset, Recording
 from ...datasets.published_loop import TABLE_4
 from .fits import DATASET, PAPER_MODELS, Fits, fit_one, scored
 from .loop import READINGS, Reading
+from .parallel import spread
 
 __all__ = ["MRE_DEFINITIONS", "Ranking", "printed_rankings", "sensitivity"]
 
@@ -117,41 +118,58 @@ def _decimated(recording: Recording, factor: int) -> Recording:
     )
 
 
-def _read_as(recording: Recording, reading: Reading) -> Recording:
-    return replace(recording, y=reading.torque(recording.x))
+def _read_as(dataset: Dataset, reading: Reading) -> Dataset:
+    def read(recording: Recording) -> Recording:
+        return replace(recording, y=reading.torque(recording.x))
+
+    return replace(dataset, train=[read(r) for r in dataset.train], test=[read(r) for r in dataset.test])
 
 
-def sensitivity(fits: Fits) -> list[Ranking]:
+def sensitivity(fits: Fits, jobs: int = 1) -> list[Ranking]:
     """All variants; each changes one thing of the baseline (condition ``kalman``, one seed, assumed noise, 50 Hz).
 
     The definitions of MRE are applied to the predictions of ``fits`` themselves.
     """
     full = datasets.get(DATASET)().load()
-    dataset = _coarse(full, BASELINE_DECIMATION)
-    found = []
+    coarse = _coarse(full, BASELINE_DECIMATION)
+    variants = [*_noise_variants(coarse), *_sampling_variants(full)]
+    readings = [("reading of the loop", r.title, _read_as(coarse, r), "kalman") for r in READINGS]
+    scores = spread(_scores, [(dataset, condition) for _, _, dataset, condition in [*variants, *readings]], jobs)
+    found = [_rankings(v[0], v[1], s) for v, s in zip([*variants, *readings], scores, strict=True)]
+    ranked = [ranking for group in found[: len(variants)] for ranking in group]
+    ranked += _definitions(fits)
+    return ranked + [ranking for group in found[len(variants) :] for ranking in group]
+
+
+_Variant = tuple[str, str, Dataset, str]
+
+
+def _noise_variants(dataset: Dataset) -> list[_Variant]:
+    variants = []
     for multiple in NOISE:
         noisy = replace(dataset, x_sigma=multiple * dataset.x_sigma, y_sigma=multiple * dataset.y_sigma)
         title = f"{noisy.y_sigma:g} N·m, {noisy.x_sigma:g} rad"
-        scores = _scores(noisy, "kalman" if multiple else "clean")
-        found += _rankings("noise", title, scores)
-    found += _rankings("noise", "assumed noise, not filtered", _scores(dataset, "noisy"))
+        variants.append(("noise", title, noisy, "kalman" if multiple else "clean"))
+    return [*variants, ("noise", "assumed noise, not filtered", dataset, "noisy")]
+
+
+def _sampling_variants(full: Dataset) -> list[_Variant]:
+    variants = []
     for factor in DECIMATION:
         coarse = _coarse(full, factor)
         rates = [1.0 / float(np.median(np.diff(part[0].time))) for part in (coarse.train, coarse.test)]
-        found += _rankings("sampling", f"{rates[0]:.0f} Hz, tested at {rates[1]:.0f} Hz", _scores(coarse, "kalman"))
+        variants.append(("sampling", f"{rates[0]:.0f} Hz, tested at {rates[1]:.0f} Hz", coarse, "kalman"))
+    return variants
+
+
+def _definitions(fits: Fits) -> list[Ranking]:
     keep = scored(fits.truth)
     truth = fits.truth.y[keep]
+    found = []
     for title, definition in MRE_DEFINITIONS.items():
         values = {}
         for model in PAPER_MODELS:
             torque = fits.first(model).torque
             values[model] = float("nan") if torque is None else definition(torque[keep] - truth, truth)
         found.append(Ranking("definition of MRE", title, "mre", values))
-    for reading in READINGS:
-        read = replace(
-            dataset,
-            train=[_read_as(r, reading) for r in dataset.train],
-            test=[_read_as(r, reading) for r in dataset.test],
-        )
-        found += _rankings("reading of the loop", reading.title, _scores(read, "kalman"))
     return found
