@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from pathlib import Path
 
 import nox
@@ -95,8 +96,11 @@ def compare(session: nox.Session) -> None:
     session.run("git", "worktree", "prune", external=True)
     session.run("git", "worktree", "add", "--detach", "--force", str(tree), commit, external=True)
     try:
-        for name, source in (("base", tree), ("new", ROOT)):
-            # Not editable: each run must see one tree only.
+        # Installed from a copy, not editable: each run must see one tree only, and none leaves anything in this one.
+        copy = work / "new"
+        shutil.rmtree(copy, ignore_errors=True)
+        shutil.copytree(ROOT, copy, ignore=shutil.ignore_patterns(".*", "*.egg-info", "build", "dist", "hystbench-*"))
+        for name, source in (("base", tree), ("new", copy)):
             session.install("--reinstall-package" if session.venv_backend == "uv" else "--force-reinstall",
                             *(["hystbench"] if session.venv_backend == "uv" else []), str(source))  # fmt: skip
             out = work / f"{name}-report"

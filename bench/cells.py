@@ -61,7 +61,7 @@ class CellSpec:
             "code": _code_hash(cls.__module__),
             "hyperparameters": repr(cls().get_params()) if hasattr(cls, "get_params") else None,
             "metrics": METRIC_VERSION,
-            "packages": {name: version(name) for name in PACKAGES},
+            "packages": _packages(),
             **{k: v for k, v in asdict(self).items() if k not in ("timing_time", "time_limit")},
         }
         return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()[:24]
@@ -69,6 +69,11 @@ class CellSpec:
     @property
     def name(self) -> str:
         return f"{self.model} on {self.dataset} ({self.condition}, seed {self.seed})"
+
+
+@lru_cache(maxsize=1)
+def _packages() -> dict[str, str]:
+    return {name: version(name) for name in PACKAGES}
 
 
 @lru_cache(maxsize=64)

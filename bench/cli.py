@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,10 @@ from .data_commands import data
 
 __all__ = ["cli", "main"]
 
+PARAMETERS_SHOWN = 14
+UNCERTAINTY_WORK = 20_000_000
+"""Samples times parameters up to which `fit` tells standard errors: a few seconds."""
+
 
 def _names(ctx: click.Context, parameter: click.Parameter, value: str | None) -> list[str] | None:
     if value is None:
@@ -24,6 +29,15 @@ def _names(ctx: click.Context, parameter: click.Parameter, value: str | None) ->
     if not names:
         raise InputError(f"--{parameter.name} is empty; give ids separated by commas, see `hystbench list`")
     return names
+
+
+def _part(ctx: click.Context, parameter: click.Parameter, value: str | None) -> tuple[int, int] | None:
+    if value is None:
+        return None
+    found = re.fullmatch(r"([1-9]\d{0,5})/([1-9]\d{0,5})", value)
+    if found is None or int(found[1]) > int(found[2]):
+        raise InputError(f"--array must be I/N with 1 <= I <= N, such as 3/20; it is {value!r}")
+    return int(found[1]), int(found[2])
 
 
 def _column_options(*names: str) -> Any:
@@ -67,7 +81,7 @@ def cli() -> None:
 
 
 @cli.command()
-@click.option("--models", metavar="A,B", callback=_names, help="Model ids (default: all).")
+@click.option("--models", metavar="A,B", callback=_names, help="Model ids; `all`: every registered one (default: all but the extended ones).")
 @click.option(
     "--datasets",
     metavar="A,B",
@@ -79,6 +93,12 @@ def cli() -> None:
 @click.option("--jobs", type=click.IntRange(1, 1024), help="Processes (default: one a core).")
 @click.option("--quick", is_flag=True, help="One seed and fewer conditions, for a first look.")
 @click.option("--resume/--fresh", default=True, help="Keep cells that --out holds already (default), or compute all.")
+@click.option("--backend", type=click.Choice(["loky", "dask"]), default="loky", show_default=True,
+              help="loky: processes on this machine; dask: the workers of a dask.distributed scheduler.")  # fmt: skip
+@click.option("--scheduler", metavar="ADDR", help="Address of the dask scheduler, such as tcp://host:8786.")
+@click.option(
+    "--array", metavar="I/N", callback=_part, help="Only the I-th of N parts, for a batch cluster's array jobs."
+)
 @_column_options("x", "y", "time")
 def run(
     models: list[str] | None,
@@ -87,6 +107,9 @@ def run(
     jobs: int | None,
     quick: bool,
     resume: bool,
+    backend: str,
+    scheduler: str | None,
+    array: tuple[int, int] | None,
     x: str | None,
     y: str | None,
     time: str | None,
@@ -100,6 +123,8 @@ def run(
     Examples:
       hystbench run --models maxwell-slip,cubic --datasets vsa-published --out report
       hystbench run --datasets loop.csv --x angle --y torque --time t --out report
+      hystbench run --backend dask --scheduler tcp://head:8786
+      hystbench run --array 3/20 --out part-3          then: hystbench report part-* --out report
     """
     import os
 
@@ -107,9 +132,13 @@ def run(
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     from ..reports import render
-    from .run import plan_run
+    from .run import part_of, plan_run
     from .run import run as compute
 
+    if (backend == "dask") != (scheduler is not None):
+        raise InputError("--backend dask and --scheduler ADDR go together; start one with `dask scheduler`")
+    if backend == "dask" and jobs is not None:
+        raise InputError("--jobs is for this machine; with --backend dask the workers' threads are the processes")
     if out.exists() and not out.is_dir():
         raise InputError(f"--out {out} is a file; name a folder")
     plan = plan_run(models, _with_columns(datasets, x=x, y=y, time=time), quick)
@@ -117,6 +146,8 @@ def run(
         message(
             f"recorded data not on this machine, left out: {', '.join(plan.absent)}; `hystbench data fetch` gets them"
         )
+    if array is not None:
+        plan = part_of(plan, *array)
     out.mkdir(parents=True, exist_ok=True)
     counts: dict[str, int] = {}
     console = Console(stderr=True)
@@ -132,26 +163,31 @@ def run(
             progress.update(task, advance=1, description=f"{cell['model']} on {cell['dataset']}")
 
         command = ["hystbench", *sys.argv[1:]]
-        compute(plan, out, jobs or os.cpu_count() or 1, not resume, command, advance)
+        compute(plan, out, jobs or os.cpu_count() or 1, not resume, command, advance, scheduler)
         progress.update(task, description="report")
-        page = render(out)
+        page = render(out) if plan.cells else out / "results.parquet"
     told = ", ".join(f"{counts[status]} {status}" for status in sorted(counts))
     message(f"{len(plan.cells)} cells: {told}")
     click.echo(str(page))
 
 
 @cli.command()
-@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
-def report(folder: Path) -> None:
-    """Render DIR/report.html again from the results in DIR.
+@click.argument("folders", metavar="DIR...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), help="Folder for the merged run and its report.")
+def report(folders: tuple[Path, ...], out: Path | None) -> None:
+    """Render DIR/report.html again from the results in DIR, or merge several runs into one and report that.
 
     \b
-    Example:
+    Examples:
       hystbench report hystbench-report
+      hystbench report part-1 part-2 part-3 --out report
     """
     from ..reports import render
+    from .merge import merge
 
-    click.echo(str(render(folder)))
+    if out is None and len(folders) > 1:
+        raise InputError("several folders are merged into a new one; name it with --out DIR")
+    click.echo(str(render(folders[0] if out is None else merge(folders, out))))
 
 
 @cli.command()
@@ -237,16 +273,19 @@ def fit(file: Path, model_id: str, out: Path, x: str | None, y: str | None, time
 
     from .. import models
     from ..datasets.recording_files import read_recording
+    from .arguments import time_argument
     from .metrics import score
 
     cls = models.get(model_id)
     recording = read_recording(file, x=x, y=y, time=time)
     try:
-        model = cls().fit(recording.x, recording.y)
+        model = cls()
+        model.fit(recording.x, recording.y, **time_argument(model.fit, recording.time))
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
     model.save(out)
-    figures = score(recording.y, np.asarray(model.predict(recording.x)))
+    predicted = model.predict(recording.x, **time_argument(model.predict, recording.time))
+    figures = score(recording.y, np.asarray(predicted))
     click.echo(
         f"{out}: {model_id} fitted to {recording.x.size} samples, RMSE {figures['rmse']:.4g}, NRMSE {figures['nrmse']:.4g}"
     )
@@ -254,6 +293,30 @@ def fit(file: Path, model_id: str, out: Path, x: str | None, y: str | None, time
         message(f"{'holds' if condition.holds else 'VIOLATED'}: {condition.name} ({condition.detail})")
     for note in getattr(model, "notes_", []):
         message(f"note: {note}")
+    for line in _determined(model, recording):
+        click.echo(line)
+
+
+def _determined(model: Any, recording: Any) -> list[str]:
+    """What the recording tells of each parameter; only for models whose class can say which parameters it chooses."""
+    from ..models.uncertainty import parameter_uncertainty
+
+    if not hasattr(model, "coordinates"):
+        return []
+    labels, values, _ = model.coordinates()
+    if recording.x.size * values.size > UNCERTAINTY_WORK:
+        return [f"{values.size} parameters; standard errors left out, they would take long on {recording.x.size} samples"]
+    found = parameter_uncertainty(model, recording.x, recording.y, time=recording.time)
+    lines = []
+    if values.size <= PARAMETERS_SHOWN:
+        lines = [
+            f"  {label} = {value:.6g} ± {found.standard_errors[label]:.2g}"
+            for label, value in zip(labels, values.tolist(), strict=True)
+        ]
+    if found.undetermined:
+        shown = ", ".join(found.undetermined[:PARAMETERS_SHOWN]) + (" …" if len(found.undetermined) > PARAMETERS_SHOWN else "")
+        lines.append(f"this recording does not determine {len(found.undetermined)} of {values.size} parameters: {shown}")
+    return lines
 
 
 @cli.command()
@@ -270,12 +333,13 @@ def predict(model: Path, file: Path, out: Path, x: str | None, y: str | None, ti
     """
     from .. import models
     from ..datasets.recording_files import DEFAULT_X, DEFAULT_Y, read_columns, write_recording
+    from .arguments import time_argument
 
     fitted = models.load(model)
     columns = read_columns(file, {"x": x or DEFAULT_X}, time=time)
+    predicted = fitted.predict(columns["x"], **time_argument(fitted.predict, columns.time))
     write_recording(
-        out,
-        {columns.time_name: columns.time, x or DEFAULT_X: columns["x"], y or DEFAULT_Y: fitted.predict(columns["x"])},
+        out, {columns.time_name: columns.time, x or DEFAULT_X: columns["x"], y or DEFAULT_Y: predicted}
     )
     click.echo(str(out))
 
@@ -300,10 +364,12 @@ def invert(
     """
     from .. import models
     from ..datasets.recording_files import DEFAULT_X, DEFAULT_Y, read_columns, write_recording
+    from .arguments import time_argument
 
     fitted = models.load(model)
     columns = read_columns(file, {"y": y or DEFAULT_Y}, time=time)
-    found = fitted.invert(columns["y"], x0=x0, approximate=approximate)
+    times = time_argument(fitted.invert, columns.time)
+    found = fitted.invert(columns["y"], x0=x0, approximate=approximate, **times)
     write_recording(out, {columns.time_name: columns.time, x or DEFAULT_X: found, y or DEFAULT_Y: columns["y"]})
     click.echo(str(out))
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
-import sys
 import time
 import warnings
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import Future, as_completed
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,12 +17,14 @@ from ..datasets import Dataset, DatasetUnavailableError
 from ..errors import InputError
 from ..files import write_text
 from ..plugins import BrokenPluginWarning
-from .cells import CellSpec, data_hash, fallback_cell, run_cell
+from .cells import CellSpec, data_hash
 from .conditions import conditions_for
+from .dask_backend import compute_on_dask
+from .local_backend import compute_here
 from .provenance import describe
 from .results import plain, read_cells, write_results
 
-__all__ = ["Plan", "plan_run", "run"]
+__all__ = ["Plan", "part_of", "plan_run", "run"]
 
 SCHEMA = "hystbench/run/1"
 SEEDS = (0, 1, 2)
@@ -45,6 +46,8 @@ class Plan:
     models: list[str]
     seeds: list[int]
     skipped: list[dict[str, str]] = field(default_factory=list)
+    part: tuple[int, int] | None = None
+    """(i, n) if these are the cells of the i-th of n runs that together do the whole."""
     absent: list[str] = field(default_factory=list)
     """Recorded datasets among the skipped whose files are not on this machine."""
 
@@ -65,7 +68,7 @@ def plan_run(model_ids: Sequence[str] | None, dataset_ids: Sequence[str] | None,
     InputError
         If an id is unknown, or a dataset that was asked for by name is not on this machine.
     """
-    chosen = list(dict.fromkeys(model_ids)) if model_ids else models.ids()
+    chosen = _chosen_models(model_ids)
     for name in chosen:
         models.get(name)
     limit = _time_limit()
@@ -120,6 +123,13 @@ def plan_run(model_ids: Sequence[str] | None, dataset_ids: Sequence[str] | None,
     return plan
 
 
+def _chosen_models(model_ids: Sequence[str] | None) -> list[str]:
+    """Those asked for; ``["all"]``: all that are registered; None: all but those that call themselves extended."""
+    if not model_ids:
+        return [name for name in models.ids() if not getattr(models.get(name), "extended", False)]
+    return models.ids() if list(model_ids) == ["all"] else list(dict.fromkeys(model_ids))
+
+
 def _time_limit() -> float:
     text = os.environ.get("HYSTBENCH_TIME_LIMIT", str(TIME_LIMIT))
     try:
@@ -131,10 +141,28 @@ def _time_limit() -> float:
     return limit
 
 
+def part_of(plan: Plan, part: int, parts: int) -> Plan:
+    """The cells of one of ``parts`` runs that together do the plan; which are whose depends on their names alone.
+
+    The order is that of a hash, so that each part gets some of every model and dataset.
+    """
+    ordered = sorted(plan.cells, key=lambda spec: hashlib.sha256(spec.name.encode()).digest())
+    kept = set(ordered[part - 1 :: parts])
+    return replace(plan, cells=[spec for spec in plan.cells if spec in kept], part=(part, parts))
+
+
 def run(
-    plan: Plan, out: Path, jobs: int, fresh: bool, command: list[str], advance: Callable[[dict[str, Any]], None]
+    plan: Plan,
+    out: Path,
+    jobs: int,
+    fresh: bool,
+    command: list[str],
+    advance: Callable[[dict[str, Any]], None],
+    scheduler: str | None = None,
 ) -> Path:
-    """Compute the plan's cells on ``jobs`` processes and write results.parquet and run.json to ``out``.
+    """Compute the plan's cells and write results.parquet and run.json to ``out``.
+
+    On ``jobs`` processes of this machine, or on the workers of the dask scheduler at ``scheduler``.
 
     Cells that ``out`` holds already are kept unless ``fresh``; ``advance`` is called with each finished cell.
     """
@@ -162,7 +190,10 @@ def run(
                 advance(kept)
             else:
                 pending.append(spec)
-        for cell in _compute(pending, folder, jobs):
+        finished_cells = (
+            compute_on_dask(pending, folder, scheduler) if scheduler else compute_here(pending, folder, jobs)
+        )
+        for cell in finished_cells:
             cells[cell["key"]] = cell
             advance(cell)
         _drop_outdated(folder, plan.cells)
@@ -229,6 +260,7 @@ def _document(plan: Plan, command: list[str]) -> dict[str, Any]:
         "skipped": plan.skipped,
         "cells_total": len(plan.cells),
         "cells": [spec.key for spec in plan.cells],
+        "part": list(plan.part) if plan.part else None,
     }
 
 
@@ -248,64 +280,3 @@ def _write_document(
         "sessions": sorted({cell.get("session", "unknown") for cell in cells.values()}),
     }
     write_text(out / "run.json", json.dumps(plain({**document, **state}), indent=1, allow_nan=False) + "\n")
-
-
-def _start_worker() -> None:
-    """Keep whatever plug-ins print away from stdout, which belongs to results, and leave Ctrl-C to the parent."""
-    import signal
-
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
-    warnings.simplefilter("ignore")
-
-
-def _executor(jobs: int) -> Any:
-    from joblib.externals.loky import get_reusable_executor
-
-    # Numerical libraries would otherwise start a thread a core in every worker and slow each other down.
-    threads = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL", "NUMBA")}
-    return get_reusable_executor(max_workers=jobs, timeout=60, initializer=_start_worker, env=threads, reuse=False)
-
-
-def _compute(specs: Sequence[CellSpec], folder: Path, jobs: int) -> Iterable[dict[str, Any]]:
-    """Yield finished cells. A cell whose process dies is tried once more alone; if it dies again it has failed."""
-    pending = {spec.key: spec for spec in specs}
-    while pending:
-        executor = _executor(min(jobs, len(pending)))
-        try:
-            futures: dict[Future[dict[str, Any]], CellSpec] = {
-                executor.submit(run_cell, spec, folder): spec for spec in pending.values()
-            }
-            for future in as_completed(futures):
-                cell = future.result()
-                del pending[cell["key"]]
-                yield cell
-        except Exception as error:
-            suspects = [spec for key, spec in pending.items() if (folder / f".{key}.started").exists()]
-            if not suspects:
-                raise
-            executor.shutdown(wait=True, kill_workers=True)
-            for spec in suspects:
-                del pending[spec.key]
-                yield _alone(spec, folder, error)
-        finally:
-            # Also reached when the caller stops early (Ctrl-C): nothing may go on computing.
-            executor.shutdown(wait=True, kill_workers=bool(pending))
-
-
-def _alone(spec: CellSpec, folder: Path, error: Exception) -> dict[str, Any]:
-    finished = read_cells(folder).get(spec.key)
-    if finished is not None and not (folder / f".{spec.key}.started").exists():
-        return finished
-    executor = _executor(1)
-    try:
-        return executor.submit(run_cell, spec, folder).result()
-    except Exception as again:
-        # The marker is as old as the cell: starting the process does not count.
-        if time.time() - (folder / f".{spec.key}.started").stat().st_mtime >= spec.time_limit:
-            return fallback_cell(
-                spec, folder, "timeout", f"took longer than {spec.time_limit:g} s and had to be killed"
-            )
-        return fallback_cell(spec, folder, "failed", f"its process died ({type(again).__name__})")
-    finally:
-        executor.shutdown(wait=True, kill_workers=True)

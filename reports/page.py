@@ -48,13 +48,19 @@ def _context(run: RunDirectory) -> dict[str, Any]:
     total, done = document.get("cells_total", 0), document.get("cells_done", 0)
     studied = [d for d in run.datasets if len(run.conditions(d)) > 1]
     status = run.table["status"].value_counts()
+    part, absent = document.get("part"), document.get("parts_absent", [])
+    told = []
+    if not document.get("finished", True) or done < total:
+        told.append(f"{done} of {total} cells are finished")
+    if part:
+        told.append(f"it is part {part[0]} of {part[1]}; `hystbench report` merges the parts")
+    if absent:
+        told.append(f"parts {', '.join(absent)} are absent")
     return {
         "version": __version__,
         "run": document,
         "verdict": _verdict(run),
-        "incomplete": ""
-        if document.get("finished", True) and done >= total
-        else f"{done} of {total} cells are finished",
+        "incomplete": "; ".join(told),
         "headlines": [(tables.TASK_TITLES[task], tables.headline_table(run, task)) for task in TASKS],
         "papers": [
             (n, t, tables.order_statement(run, n)) for n in (4, 5) if (t := tables.paper_table(run, n)) is not None

@@ -1,0 +1,113 @@
+"""Cells on this machine's cores, each in a worker process that may die without taking the run with it."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+import warnings
+from collections.abc import Iterable, Sequence
+from concurrent.futures import Executor, Future, as_completed
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError
+from .cells import CellSpec, fallback_cell, run_cell
+from .results import read_cells
+
+__all__ = ["compute_here", "run_guarded", "worker_pool"]
+
+# Numerical libraries would otherwise start a thread a core in every worker and slow each other down.
+THREADS = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL", "NUMBA")}
+IDLE = 60.0
+"""Seconds after which an idle worker process ends."""
+
+
+def _start_worker() -> None:
+    """Keep whatever plug-ins print away from stdout, which belongs to results, and leave Ctrl-C to the parent."""
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
+    warnings.simplefilter("ignore")
+
+
+def worker_pool(size: int) -> Executor:
+    """``size`` fresh worker processes; :func:`concurrent.futures` in all but that it notices dead ones."""
+    from joblib.externals.loky import ProcessPoolExecutor
+
+    return ProcessPoolExecutor(max_workers=size, timeout=IDLE, initializer=_start_worker, env=THREADS)
+
+
+def _stop(pool: Executor, *, kill: bool) -> None:
+    pool.shutdown(wait=True, kill_workers=kill)  # type: ignore[call-arg]  # loky's own argument
+
+
+def compute_here(specs: Sequence[CellSpec], folder: Path, jobs: int) -> Iterable[dict[str, Any]]:
+    """Yield finished cells. A cell whose process dies is tried once more alone; if it dies again it has failed.
+
+    Raises
+    ------
+    OSError
+        If a cell cannot be written (a full disk): that is no model's fault.
+    InputError
+        If the code changed meanwhile.
+    """
+    pending = {spec.key: spec for spec in specs}
+    while pending:
+        pool = worker_pool(min(jobs, len(pending)))
+        try:
+            futures: dict[Future[dict[str, Any]], CellSpec] = {
+                pool.submit(run_cell, spec, folder): spec for spec in pending.values()
+            }
+            for future in as_completed(futures):
+                cell = _checked(futures[future], future.result())
+                del pending[cell["key"]]
+                yield cell
+        except (OSError, InputError):
+            raise
+        except Exception as error:
+            suspects = [spec for key, spec in pending.items() if (folder / f".{key}.started").exists()]
+            if not suspects:
+                raise
+            _stop(pool, kill=True)
+            for spec in suspects:
+                del pending[spec.key]
+                yield _alone(spec, folder, error)
+        finally:
+            # Also reached when the caller stops early (Ctrl-C): nothing may go on computing.
+            _stop(pool, kill=bool(pending))
+
+
+def _checked(spec: CellSpec, cell: dict[str, Any]) -> dict[str, Any]:
+    """The cell, unless its process computed something else than was asked for: it reads the code later than we did."""
+    if cell["key"] != spec.key:
+        raise InputError(f"{spec.name}: the code or the packages changed while the run was going on; run it again")
+    return cell
+
+
+def _alone(spec: CellSpec, folder: Path, error: Exception) -> dict[str, Any]:
+    finished = read_cells(folder).get(spec.key)
+    if finished is not None and not (folder / f".{spec.key}.started").exists():
+        return finished
+    pool = worker_pool(1)
+    try:
+        return _checked(spec, run_guarded(pool, spec, folder))
+    finally:
+        _stop(pool, kill=True)
+
+
+def run_guarded(pool: Executor, spec: CellSpec, folder: Path) -> dict[str, Any]:
+    """Compute one cell on a pool of one process; if that dies, the cell has failed (or timed out)."""
+    try:
+        return pool.submit(run_cell, spec, folder).result()
+    except OSError:
+        raise
+    except Exception as error:
+        marker = folder / f".{spec.key}.started"
+        # The marker is as old as the cell: starting the process does not count.
+        if marker.exists() and time.time() - marker.stat().st_mtime >= spec.time_limit:
+            return fallback_cell(
+                spec, folder, "timeout", f"took longer than {spec.time_limit:g} s and had to be killed"
+            )
+        return fallback_cell(spec, folder, "failed", f"its process died ({type(error).__name__})")
