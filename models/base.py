@@ -151,6 +151,8 @@ class HysteresisModel:
     extended: ClassVar[bool] = False
     """Whether a run leaves the model out unless it is asked for by name or ``--models all``."""
     minimum_samples: ClassVar[int] = 8
+    estimated: ClassVar[tuple[str, ...] | None] = None
+    """Parameters that an identification chooses freely (None: all); the others are fixed beforehand."""
 
     parameters_: dict[str, Any]
     conditions_: list[Condition]
@@ -340,6 +342,29 @@ class HysteresisModel:
     def _require_fitted(self) -> None:
         if not hasattr(self, "parameters_"):
             raise InputError(f"this {self.id} model has no parameters yet; call fit or from_parameters first")
+
+    def coordinates(self) -> tuple[list[str], Floats, Callable[[Floats], dict[str, Any]]]:
+        """The freely chosen parameters as one vector: their labels, their values, and the way back.
+
+        Used for standard errors; a model whose parameters depend on each other overrides it.
+        """
+        names = [n for n in (self.estimated or self.parameters_) if self.parameters_.get(n) is not None]
+        arrays = {name: np.asarray(self.parameters_[name], dtype=np.float64) for name in names}
+        labels = [
+            name + (f"[{', '.join(map(str, index))}]" if index else "")
+            for name, array in arrays.items()
+            for index in np.ndindex(array.shape)
+        ]
+
+        def rebuild(values: Floats) -> dict[str, Any]:
+            parameters = {name: value for name, value in self.parameters_.items() if value is not None}
+            start = 0
+            for name, array in arrays.items():
+                parameters[name] = values[start : start + array.size].reshape(array.shape)
+                start += array.size
+            return parameters
+
+        return labels, np.concatenate([array.ravel() for array in arrays.values()]), rebuild
 
     # ---- scikit-learn's conventions --------------------------------------------------------------------------------
 

@@ -175,6 +175,7 @@ class BoucWen(HysteresisModel):
     title: ClassVar[str] = "Bouc-Wen"
     summary: ClassVar[str] = "a differential equation with five parameters; smooth symmetric loops"
     source: ClassVar[str] = "Wen 1976; Ikhouane & Rodellar 2007"
+    estimated: ClassVar[tuple[str, ...] | None] = ("stiffness", "alpha", "beta", "gamma", "n", "offset")
 
     def __init__(self, n: float | None = None, starts: int = 256, seed: int = 0) -> None:
         self.n = n

@@ -176,6 +176,7 @@ class ChoiBacklash(HysteresisModel):
     title: ClassVar[str] = "Choi backlash polynomial"
     summary: ClassVar[str] = "polynomial curves joined by transition lines; few parameters, clockwise loops"
     source: ClassVar[str] = "Choi et al. 2017, appendix 1, Eqs. 40-43"
+    estimated: ClassVar[tuple[str, ...] | None] = ("ascending_pos", "ascending_neg", "descending_pos", "descending_neg", "slope_pos", "slope_neg")
 
     def __init__(self, degree: int = 5, end_margin: float = 0.1) -> None:
         self.degree = degree

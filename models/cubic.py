@@ -84,6 +84,7 @@ class Cubic(HysteresisModel):
         "one cubic polynomial per direction of motion; the baseline, no memory beyond the direction"
     )
     source: ClassVar[str] = "Qin et al., section 4.2"
+    estimated: ClassVar[tuple[str, ...] | None] = ("ascending", "descending")
 
     def __init__(self, branches: int = 2, dead_band: float | None = None) -> None:
         self.branches = branches

@@ -25,7 +25,7 @@ out, and every path is a polyline whose inverse is the same path with its axes e
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -473,6 +473,21 @@ class MaxwellSlip(HysteresisModel):
                 )
             )
         return conditions
+
+    def coordinates(self) -> tuple[list[str], Floats, Callable[[Floats], dict[str, Any]]]:
+        """The loop's distinct vertices: transitions share theirs with the curves that they join."""
+        names = ("ascending", "descending", "transition_pos", "transition_neg")
+        sizes = [self.parameters_[name].shape[0] for name in names]
+        vertices, places = np.unique(np.vstack([self.parameters_[n] for n in names]), axis=0, return_inverse=True)
+        labels = [f"vertex ({x:.4g}, {y:.4g}) {axis}" for x, y in vertices.tolist() for axis in "xy"]
+
+        def rebuild(values: Floats) -> dict[str, Any]:
+            moved = values.reshape(-1, 2)[places.ravel()]
+            parameters = dict(zip(names, np.split(moved, np.cumsum(sizes)[:-1]), strict=True))
+            geometry = self.parameters_["geometry"]
+            return parameters if geometry is None else parameters | {"geometry": geometry}
+
+        return labels, vertices.ravel(), rebuild
 
     # ---- evaluation ------------------------------------------------------------------------------------------------
 

@@ -134,6 +134,7 @@ class PrandtlIshlinskii(HysteresisModel):
     title: ClassVar[str] = "Prandtl-Ishlinskii"
     summary: ClassVar[str] = "weighted play operators, closed-form inverse; symmetric loops of either orientation"
     source: ClassVar[str] = "Kuhnen & Janocha 2001; Krejci & Kuhnen 2001"
+    estimated: ClassVar[tuple[str, ...] | None] = ("weights", "offset")
 
     def __init__(self, operators: int = 40, weights: str = "invertible", least_slope: float = 0.1) -> None:
         self.operators = operators

@@ -208,6 +208,7 @@ class Preisach(HysteresisModel):
         "relays over a triangle of thresholds; any loop shape with wiping-out and congruent minor loops"
     )
     source: ClassVar[str] = "Mayergoyz 1991"
+    estimated: ClassVar[tuple[str, ...] | None] = ("weights", "offset")
 
     def __init__(self, levels: int = 24, signs: str = "auto", smoothing: float = 1e-5) -> None:
         self.levels = levels
