@@ -261,8 +261,9 @@ def list_(what: str, as_json: bool) -> None:
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--model", "model_id", required=True, metavar="ID", help="Model id, see `hystbench list models`.")
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="Model file to write (JSON).")
+@click.option("--tune", is_flag=True, help="First choose the hyperparameters by blocked cross-validation.")
 @_column_options("x", "y", "time")
-def fit(file: Path, model_id: str, out: Path, x: str | None, y: str | None, time: str | None) -> None:
+def fit(file: Path, model_id: str, out: Path, tune: bool, x: str | None, y: str | None, time: str | None) -> None:
     """Identify a model from a recording.
 
     \b

@@ -12,7 +12,7 @@ loop width, scale of the deflection, rates), in which it differs only if it is b
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,7 +25,7 @@ from ..errors import InputError
 from .operators import bristle, plays
 from .signals import Signals
 
-__all__ = ["Emulator", "SimulatorScene", "emulate"]
+__all__ = ["Emulator", "Generalised", "SimulatorScene", "emulate", "predict_generalised"]
 
 Floats = NDArray[np.float64]
 ELEMENTS = 14
@@ -48,6 +48,8 @@ class Emulator:
         RMS error over the standard deviation of the simulator's output; 0 for the simulator itself.
     structure, bulk : array, shape (n, m)
         Change of the output for a relative change of each parameter by one: fine structure, and bulk.
+    parameters : dict
+        What rebuilds it: ``model`` (a registered id, or ``"generalised"``) and ``parameters``.
     """
 
     name: str
@@ -58,6 +60,7 @@ class Emulator:
     """Output over one new motion, from the virgin state."""
     structure: Floats
     bulk: Floats
+    parameters: Mapping[str, Any]
 
 
 class SimulatorScene:
@@ -80,11 +83,11 @@ class SimulatorScene:
 
 def emulate(signals: Signals, model: Any | None) -> Emulator:
     """Identify the emulator; ``model`` is the simulator itself where it is at hand."""
-    own = _Generalised(signals)
+    own = Generalised(signals)
     groups = np.repeat(np.arange(len(signals.runs)), [run.stop - run.start for run in signals.runs])
     if model is not None:
-        return Emulator("the simulator itself", 0.0, lambda x: np.asarray(model.predict(x, groups)), lambda x: np.asarray(model.predict(x)), *own.tangent())
-    best = Emulator("generalised Prandtl-Ishlinskii", own.error, own.predict, own.anew, *own.tangent())
+        return Emulator("the simulator itself", 0.0, lambda x: np.asarray(model.predict(x, groups)), lambda x: np.asarray(model.predict(x)), *own.tangent(), _described(model))
+    best = Emulator("generalised Prandtl-Ishlinskii", own.error, own.predict, own.anew, *own.tangent(), {"model": "generalised", "parameters": own.parameters()})
     for name in COMPETITORS if own.error > GOOD_ENOUGH else ():
         try:
             rival = models.get(name)().fit(signals.x, signals.y_sim, groups)
@@ -95,16 +98,20 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
         if error < best.error:
             best = Emulator(
                 name, error, lambda x, m=rival: np.asarray(m.predict(x, groups)), lambda x, m=rival: np.asarray(m.predict(x)),
-                best.structure, best.bulk,
+                best.structure, best.bulk, _described(rival),
             )  # fmt: skip
     return best
+
+
+def _described(model: Any) -> dict[str, Any]:
+    return {"model": model.id, "parameters": dict(model.parameters_)}
 
 
 def _relative_error(predicted: Floats, wanted: Floats) -> float:
     return float(np.sqrt(np.mean(np.square(predicted - wanted))) / max(float(np.std(wanted)), 1e-300))
 
 
-class _Generalised:
+class Generalised:
     """Elastic polynomial, stop operators and rate terms, identified by non-negative least squares."""
 
     def __init__(self, signals: Signals) -> None:
@@ -124,25 +131,22 @@ class _Generalised:
         self.weights = solution[free.shape[1] :]
         self.error = _relative_error(free @ solution[: free.shape[1]] + stops @ self.weights, signals.y_sim)
 
-    def _parts(self, x: Floats, scale: float = 1.0, runs: Sequence[slice] | None = None) -> tuple[Floats, Floats, Floats]:
-        runs = self.signals.runs if runs is None else runs
-        played = np.concatenate([plays(x[run], scale * self.thresholds) for run in runs])
-        stops = x[:, None] - played
-        signs = [np.concatenate([bristle(x[run], scale * w) for run in runs]) * w for w in self.lengths]
-        u = x / self.reach
-        elastic = np.polynomial.legendre.legvander(np.clip(u, -1.3, 1.3), DEGREE)
-        some = stops[:, [ELEMENTS // 3, 2 * ELEMENTS // 3]]
-        placed = np.hstack([u[:, None] * some, (u * u)[:, None] * some])
-        return elastic, np.hstack([stops, np.column_stack(signs)]), placed
+    def parameters(self) -> dict[str, Floats | float]:
+        """All that :func:`predict_generalised` needs."""
+        return {
+            "reach": self.reach, "thresholds": self.thresholds, "lengths": self.lengths, "elastic": self.elastic,
+            "placed": self.placed, "weights": self.weights,
+        }  # fmt: skip
+
+    def _parts(self, x: Floats, scale: float = 1.0) -> tuple[Floats, Floats, Floats]:
+        return _parts(x, self.signals.runs, self.reach, scale * self.thresholds, scale * self.lengths)
 
     def predict(self, x: Floats) -> Floats:
-        elastic, stops, placed = self._parts(x)
-        return elastic @ self.elastic + stops @ self.weights + placed @ self.placed
+        return predict_generalised(self.parameters(), x, self.signals.runs)
 
     def anew(self, x: Floats) -> Floats:
         """Output over one new motion."""
-        elastic, stops, placed = self._parts(x, runs=[slice(0, x.size)])
-        return elastic @ self.elastic + stops @ self.weights + placed @ self.placed
+        return predict_generalised(self.parameters(), x, [slice(0, x.size)])
 
     def tangent(self) -> tuple[Floats, Floats]:
         """Columns (n, m) of structure and bulk, each the change for a relative error of one of some parameter."""
@@ -164,6 +168,24 @@ class _Generalised:
             shapes, odd, even, width, stretched, self.signals.speed * self.rates[0], self.signals.acceleration * self.rates[1],
         ])  # fmt: skip
         return structure, bulk
+
+
+def _parts(x: Floats, runs: Sequence[slice], reach: float, thresholds: Floats, lengths: Floats) -> tuple[Floats, Floats, Floats]:
+    """Columns of the elastic curve, of the elements with memory, and of stops weighed by position."""
+    played = np.concatenate([plays(x[run], thresholds) for run in runs])
+    stops = x[:, None] - played
+    signs = np.column_stack([np.concatenate([bristle(x[run], length) for run in runs]) * length for length in lengths])
+    u = x / reach
+    elastic = np.polynomial.legendre.legvander(np.clip(u, -1.3, 1.3), DEGREE)
+    some = stops[:, [ELEMENTS // 3, 2 * ELEMENTS // 3]]
+    placed = np.hstack([u[:, None] * some, (u * u)[:, None] * some])
+    return elastic, np.hstack([stops, signs]), placed
+
+
+def predict_generalised(parameters: Mapping[str, Any], x: Floats, runs: Sequence[slice]) -> Floats:
+    """Output of the built-in emulator, N·m, shape (n,), from the virgin state in each run."""
+    elastic, elements, placed = _parts(x, runs, parameters["reach"], parameters["thresholds"], parameters["lengths"])
+    return elastic @ parameters["elastic"] + elements @ parameters["weights"] + placed @ parameters["placed"]
 
 
 def _solve(free: Floats, bounded: Floats, target: Floats) -> Floats:

@@ -26,7 +26,7 @@ Scale = tuple[float, float]
 PLAUSIBILITY: dict[Scale, float] = {
     (0.0, 0.0): 0.0, (0.005, 0.0): 0.0, (0.01, 0.0): 0.0, (0.02, 0.0): 0.0, (0.06, 0.0): -12.0,
     (0.005, 0.03): -2.0, (0.01, 0.03): -2.0, (0.02, 0.03): -2.0, (0.06, 0.03): -2.0,
-    (0.02, 0.1): -6.0, (0.06, 0.1): -6.0, (0.15, 0.1): -25.0,
+    (0.02, 0.1): -6.0, (0.06, 0.1): -6.0,
 }  # fmt: skip
 """Relative errors (s, c) of the simulator's fine structure and of its bulk parameters, with the logarithm of their
 prior odds: a loop that is badly off in detail but exact in bulk is implausible, and so are errors beyond a tenth."""

@@ -143,8 +143,9 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
         for _, numbers in ranked[:count]:
             fitted = evidence.refine(evidence.fit([library.terms[k] for k in numbers]))
             known = refined.get(fitted.names)
-            if known is None or fitted.score > known[0].score:
-                refined[fitted.names] = (fitted, numbers)
+            for better in (fitted, *(_successors(evidence, fitted) if size == 1 else ())):
+                if known is None or better.score > known[0].score:
+                    known = refined[better.names] = (better, numbers)
         if size == 1:
             # Every effect is reported on, also those that are far from the best.
             for _, numbers in ranked[count:]:
@@ -160,6 +161,13 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
                 (tuple(next(numbers) for _ in fitted.terms), _likely_scales(fitted)) for fitted, _ in ordered[:wide]
             ]
     return found
+
+
+def _successors(evidence: Evidence, fitted: Hypothesis) -> list[Hypothesis]:
+    """The forms that start where the form of a single effect ended."""
+    (term,) = fitted.terms
+    forms = [form for form in term.effect.forms(evidence.scene) if form.refines == term.form.name]
+    return [evidence.refine(evidence.fit([Term(term.effect, form, term.shape, term.laws)])) for form in forms]
 
 
 def _at_most(

@@ -132,6 +132,7 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         "signal": float(np.std(best.signal) / floor),
         "recalibrated": float(refit_gain),
         "closed": 1.0 - (float(np.mean(np.square(after if miscalibrated else signals.gap - held.signal))) - floor**2) / energy,
+        "closed_alone": 1.0 - (float(np.mean(np.square(signals.gap - held.signal))) - floor**2) / energy,
         "in_sample_left": float(np.sqrt(max(structured_power(misfit_refit, signals.runs), 0.0)) / floor),
     }
     verdict = sorted(best.names, key=lambda name: -float(np.mean(np.square(best.part(name)))))
@@ -184,6 +185,9 @@ def _nothing(best: Hypothesis, miscalibrated: bool, features: dict[str, float], 
 
 def _inadequate(features: dict[str, float]) -> bool:
     """Whether the best explanation leaves structure that neither noise nor an inexact law accounts for."""
+    if features["signal"] > 1.5 * features["gap"] and features["closed_alone"] < 0.0:
+        # Effects that widen the gap until the simulator is bent to meet them explain nothing.
+        return True
     return features["in_sample_left"] > 0.45 + 0.04 * features["gap"] or (features["closed"] < 0.5 and features["gap"] > 1.2)
 
 

@@ -64,6 +64,8 @@ class Form:
         Bounds of each shape during refinement.
     columns : callable
         ``columns(scene, shape) -> (n, k)``.
+    refines : str
+        Name of a simpler form with the same shapes from whose fit this one starts, in place of a grid of its own.
     """
 
     name: str
@@ -74,6 +76,7 @@ class Form:
     shapes: Sequence[str] = ()
     grid: Sequence[tuple[float, ...]] = ((),)
     limits: Sequence[tuple[float, float]] = ()
+    refines: str = ""
 
 
 class Effect:

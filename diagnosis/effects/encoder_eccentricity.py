@@ -19,7 +19,7 @@ def _columns(harmonics: int) -> Callable[[Scene, tuple[float, ...]], Floats]:
         made = []
         for k in range(1, harmonics + 1):
             for wave in (np.sin(k * shape[0] * x), np.cos(k * shape[0] * x)):
-                made.append((scene.torque_change(x + small * wave) - scene.torque_change(x - small * wave)) / (2.0 * small))
+                made.append(scene.torque_change(x + small * wave) / small)
         return np.column_stack(made)
 
     return columns
@@ -51,6 +51,7 @@ class EncoderEccentricity(Effect):
         wide = 0.06 * reach
         names = ("error_sin", "error_cos", "error_sin_2", "error_cos_2")
         return [
-            Form(told, names[: 2 * k], _columns(k), (-wide,) * (2 * k), (wide,) * (2 * k), ("periods",), some, [(low, high)])
-            for k, told, some in ((1, "sine", grid), (2, "two harmonics", grid[::2]))
+            Form("sine", names[:2], _columns(1), (-wide,) * 2, (wide,) * 2, ("periods",), grid, [(low, high)]),
+            # The error is a function of the true angle: as one of the measured angle it has harmonics.
+            Form("two harmonics", names, _columns(2), (-wide,) * 4, (wide,) * 4, ("periods",), (), [(low, high)], "sine"),
         ]

@@ -1,0 +1,179 @@
+"""The corrected simulator: as a model file that ``hystbench predict`` runs, and as a formula for people."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import models
+from ..errors import InputError
+from ..models.base import HysteresisModel, Run, parameter_array, parameter_number
+from .diagnosis import Diagnosis
+from .emulation import Emulator, Generalised, SimulatorScene, predict_generalised
+from .evidence import Hypothesis, Term, effect_columns
+from .signals import Signals
+from .verdict import MISCALIBRATION, UNKNOWN
+
+__all__ = ["CorrectedSimulator", "corrected_simulator", "formula"]
+
+Floats = NDArray[np.float64]
+ARRAYS = ("thresholds", "lengths", "elastic", "placed", "weights")
+
+
+class _CausalSignals(Signals):
+    """Signals whose speed uses no later sample, as a real-time simulator needs it."""
+
+    @cached_property
+    def interval(self) -> float:
+        return float(self.time[1] - self.time[0]) if self.time.size > 1 else 1.0
+
+    @cached_property
+    def _motion(self) -> tuple[Floats, Floats, Floats]:
+        speed = np.diff(self.x, prepend=self.x[0]) / self.interval
+        return self.x, speed, np.diff(speed, prepend=speed[0]) / self.interval
+
+
+class CorrectedSimulator(HysteresisModel):
+    """A simulator with the effects that a diagnosis found added to it.
+
+    ``fit`` identifies the built-in emulator alone, a Prandtl-Ishlinskii model with an elastic polynomial, Dahl bristles
+    and position-dependent width; ``hystbench diagnose`` adds effects.
+
+    ``from_parameters`` takes ``interval`` (s between samples, because effects depend on time), ``base`` (``model``: a
+    registered id or ``"generalised"``, and its ``parameters``) and ``effects`` (each ``effect``, ``form``, ``shape``,
+    ``coefficients``).
+    """
+
+    id: ClassVar[str] = "corrected-simulator"
+    title: ClassVar[str] = "Corrected simulator"
+    summary: ClassVar[str] = "a simulator or its emulator with the effects that a diagnosis found added"
+    source: ClassVar[str] = "hystbench diagnose"
+    rate_independent: ClassVar[bool] = False
+
+    def __init__(self, interval: float = 0.01) -> None:
+        self.interval = interval
+
+    def _identify(self, runs: Sequence[Run]) -> dict[str, Any]:
+        edges = np.cumsum([0, *(run.x.size for run in runs)]).tolist()
+        y = np.concatenate([run.y for run in runs])
+        signals = Signals(
+            time=np.concatenate([np.arange(run.x.size) * self.interval for run in runs]),
+            x=np.concatenate([run.x for run in runs]),
+            y_real=y,
+            y_sim=y,
+            runs=[slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)],
+            channels={},
+        )
+        base = {"model": "generalised", "parameters": Generalised(signals).parameters()}
+        return {"interval": self.interval, "base": base, "effects": []}
+
+    @classmethod
+    def _check_parameters(cls, interval: Any, base: Any, effects: Any) -> dict[str, Any]:
+        interval = parameter_number("interval", interval)
+        if interval <= 0.0:
+            raise InputError(f"parameter interval must be positive; it is {interval}")
+        if not isinstance(base, Mapping) or not isinstance(base.get("parameters"), Mapping):
+            raise InputError("parameter base must hold model and parameters")
+        if base.get("model") == "generalised":
+            given = base["parameters"]
+            missing = [name for name in (*ARRAYS, "reach") if name not in given]
+            if missing:
+                raise InputError(f"parameter base lacks {', '.join(missing)}")
+            inner: dict[str, Any] = {name: parameter_array(name, given[name], (None,)).tolist() for name in ARRAYS}
+            inner["reach"] = parameter_number("reach", given["reach"])
+        else:
+            made = models.get(str(base.get("model"))).from_parameters(**base["parameters"])
+            inner = {name: _plain(value) for name, value in made.parameters_.items()}
+        if not isinstance(effects, Sequence) or isinstance(effects, str):
+            raise InputError("parameter effects must be a list")
+        kept = []
+        for k, entry in enumerate(effects):
+            if not isinstance(entry, Mapping) or set(entry) != {"effect", "form", "shape", "coefficients"}:
+                raise InputError(f"parameter effects[{k}] must hold effect, form, shape and coefficients")
+            kept.append({
+                "effect": str(entry["effect"]), "form": str(entry["form"]),
+                "shape": [parameter_number("shape", v) for v in entry["shape"]],
+                "coefficients": [parameter_number("coefficients", v) for v in entry["coefficients"]],
+            })  # fmt: skip
+        return {"interval": interval, "base": {"model": str(base["model"]), "parameters": inner}, "effects": kept}
+
+    def _prepare(self) -> None:
+        from . import registry
+
+        base = self.parameters_["base"]
+        if base["model"] == "generalised":
+            inner = {name: np.asarray(value) for name, value in base["parameters"].items()}
+            self._base = lambda x: predict_generalised(inner, x, [slice(0, x.size)])
+        else:
+            model = models.get(base["model"]).from_parameters(**base["parameters"])
+            self._base = lambda x: np.asarray(model.predict(x))
+        self._effects = [(registry.get(entry["effect"])(), entry) for entry in self.parameters_["effects"]]
+
+    def _predict_run(self, x: Floats) -> Floats:
+        y = self._base(x)
+        if not self._effects:
+            return y
+        time = np.arange(x.size) * self.parameters_["interval"]
+        signals = _CausalSignals(time, x, y, y, [slice(0, x.size)], {})
+        nothing = np.empty((x.size, 0))
+        scene = SimulatorScene(signals, Emulator("", 0.0, self._base, self._base, nothing, nothing, {}))
+        terms, coefficients = [], []
+        for effect, entry in self._effects:
+            form = next((f for f in effect.forms(scene) if f.name == entry["form"]), None)
+            # A form is absent only where it adds nothing (no torque yet that could saturate).
+            if form is not None:
+                terms.append(Term(effect, form, tuple(entry["shape"])))
+                coefficients += entry["coefficients"]
+        guess = np.array(coefficients)
+        columns = effect_columns(scene, terms, guess)
+        return y + columns @ guess
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+
+
+def _named(found: Diagnosis) -> Hypothesis | None:
+    named = set(found.verdict) - {MISCALIBRATION, UNKNOWN}
+    return found.choice.hypothesis if named else None
+
+
+def corrected_simulator(found: Diagnosis, model: Any | None) -> CorrectedSimulator:
+    """The simulator (or its emulator, where only its output was given) with the verdict's effects.
+
+    Effects that follow a measured channel are left out, because a model file sees the deflection alone; the formula
+    has them.
+    """
+    hypothesis = _named(found)
+    entries, start = [], 0
+    for term in hypothesis.terms if hypothesis else ():
+        width = len(term.form.coefficients)
+        if not any(channel in term.form.name for channel in found.signals.channels):
+            entries.append({
+                "effect": term.effect.id, "form": term.form.name, "shape": list(term.shape),
+                "coefficients": hypothesis.coefficients[start : start + width].tolist(),
+            })  # fmt: skip
+        start += width
+    base = found.evidence.scene.emulator.parameters
+    made = CorrectedSimulator.from_parameters(interval=found.signals.interval, base=base, effects=entries)
+    made.interval = found.signals.interval
+    made.x_scale_ = float(np.max(np.abs(found.signals.x)))
+    return made
+
+
+def formula(found: Diagnosis) -> str:
+    """What to add to the simulator, with the fitted values; empty if the verdict names no effect."""
+    hypothesis = _named(found)
+    if hypothesis is None:
+        return ""
+    lines = []
+    for term in hypothesis.terms:
+        values = ", ".join(f"{name} = {value:.6g}" for name, value in hypothesis.parameters(term.effect.id).items())
+        units = {p.name: p.unit for p in term.effect.parameters}
+        told = ", ".join(f"{name} in {units[name]}" for name in hypothesis.parameters(term.effect.id) if units.get(name))
+        lines.append(f"{term.effect.title} ({term.form.name}): {term.effect.equation}\n    {values}" + (f"   [{told}]" if told else ""))
+    return "\n".join(lines)
