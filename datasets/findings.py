@@ -21,6 +21,9 @@ NEGLIGIBLE = 0.05
 """Effects on the loops below this share are not warned of, however significant they are."""
 
 NOTABLE_GAP = 0.02
+NO_LOOP = 0.005
+"""Mean distance of the branches, as a share of the output's range, that counts as none."""
+
 SYMMETRIC = 0.05
 CROSSING = 0.1
 STEPS_IN_RANGE = 256
@@ -203,10 +206,11 @@ def _loops(found: Inspection, x_unit: str, y_unit: str) -> list[Finding]:
 
 
 def _flat(found: Inspection, main: Sequence[Loop]) -> bool:
-    area = np.array([loop.area for loop in main])
-    # Against the noise and, where there are repeats, against their own scatter.
-    limit = max(3.0 * found.area_noise / np.sqrt(area.size), 0.002 * float(np.mean([m.range * m.swing for m in main])))
-    return bool(abs(area.mean()) < limit)
+    """Whether the branches, meant over the main loops, are no further apart than noise makes them."""
+    apart = float(np.mean(np.abs(np.mean([loop.down - loop.up for loop in main], axis=0))))
+    samples = sum(loop.end - loop.start for loop in main) / (2.0 * main[0].up.size)
+    noise = found.y.noise / np.sqrt(max(samples, 1.0))
+    return apart < max(3.0 * noise, NO_LOOP * float(np.mean([loop.range for loop in main])))
 
 
 def _memory(found: Inspection) -> list[Finding]:

@@ -219,7 +219,6 @@ class Inspection:
     coverage: Coverage
     loops: tuple[Loop, ...]
     open_loop: Loop | None
-    area_noise: float
     closing: Estimate | None
     wiping_out: Estimate | None
     congruency: Congruency | None
@@ -282,7 +281,6 @@ def inspect_recording(recording: Recording) -> Inspection:
         ),
         loops=tuple(loops),
         open_loop=None if loops else _open_loop(time, x, y, turns),
-        area_noise=_area_noise(x, loops, signals[1]),
         closing=_mean(gaps / span),
         wiping_out=_mean(nested / span),
         congruency=_congruency(grouped, signals[1]),
@@ -332,14 +330,6 @@ def quantum(values: Floats) -> float | None:
     if np.unique(moves, return_counts=True)[1].max() > 0.8 * moves.size and np.median(moves) > 0.0:
         return None
     return found
-
-
-def _area_noise(x: Floats, loops: Sequence[Loop], y: Signal) -> float:
-    """Standard deviation that the noise of y gives to the area of the largest loop."""
-    if not loops:
-        return 0.0
-    largest = max(loops, key=lambda loop: loop.swing)
-    return float(y.noise * np.sqrt(np.sum(np.diff(x[largest.start : largest.end + 1]) ** 2)))
 
 
 # ---- loops ---------------------------------------------------------------------------------------------------------
