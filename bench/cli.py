@@ -280,7 +280,7 @@ def fit(file: Path, model_id: str, out: Path, tune: bool, x: str | None, y: str 
     cls = models.get(model_id)
     recording = read_recording(file, x=x, y=y, time=time)
     try:
-        model = cls()
+        model = _tuned(cls, recording) if tune else cls()
         model.fit(recording.x, recording.y, **time_argument(model.fit, recording.time))
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
@@ -296,6 +296,20 @@ def fit(file: Path, model_id: str, out: Path, tune: bool, x: str | None, y: str 
         message(f"note: {note}")
     for line in _determined(model, recording):
         click.echo(line)
+
+
+def _tuned(cls: type[Any], recording: Any) -> Any:
+    """An unfitted model with the hyperparameters of the least held-out error; what was tried is told."""
+    from ..models.selection import choose_hyperparameters
+
+    if not getattr(cls, "search_grid", None):
+        message(f"{cls.id} has no hyperparameters to choose")
+        return cls()
+    candidates = choose_hyperparameters(cls, recording.x, recording.y, time=recording.time)
+    for candidate in candidates:
+        setting = ", ".join(f"{name}={candidate.hyperparameters[name]}" for name in cls.search_grid)
+        message(f"held-out NRMSE {candidate.nrmse:.4g} ± {candidate.spread:.2g}: {setting}")
+    return cls().set_params(**candidates[0].hyperparameters)
 
 
 def _determined(model: Any, recording: Any) -> list[str]:

@@ -153,6 +153,8 @@ class HysteresisModel:
     minimum_samples: ClassVar[int] = 8
     estimated: ClassVar[tuple[str, ...] | None] = None
     """Parameters that an identification chooses freely (None: all); the others are fixed beforehand."""
+    search_grid: ClassVar[Mapping[str, Sequence[Any]]] = {}
+    """Hyperparameters worth trying, by name; see :func:`hystbench.models.selection.choose_hyperparameters`."""
 
     parameters_: dict[str, Any]
     conditions_: list[Condition]

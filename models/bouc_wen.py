@@ -6,7 +6,7 @@ conditions on the parameters: F. Ikhouane, J. Rodellar, "Systems with hysteresis
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -175,6 +175,7 @@ class BoucWen(HysteresisModel):
     title: ClassVar[str] = "Bouc-Wen"
     summary: ClassVar[str] = "a differential equation with five parameters; smooth symmetric loops"
     source: ClassVar[str] = "Wen 1976; Ikhouane & Rodellar 2007"
+    search_grid: ClassVar[Mapping[str, Sequence[Any]]] = {"n": (None, 1.0, 2.0)}
     estimated: ClassVar[tuple[str, ...] | None] = ("stiffness", "alpha", "beta", "gamma", "n", "offset")
 
     def __init__(self, n: float | None = None, starts: int = 256, seed: int = 0) -> None:

@@ -5,7 +5,7 @@ Source: the "cubic fitted model" that Qin et al. compare their proposed model wi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -84,6 +84,7 @@ class Cubic(HysteresisModel):
         "one cubic polynomial per direction of motion; the baseline, no memory beyond the direction"
     )
     source: ClassVar[str] = "Qin et al., section 4.2"
+    search_grid: ClassVar[Mapping[str, Sequence[Any]]] = {"branches": (2, 1)}
     estimated: ClassVar[tuple[str, ...] | None] = ("ascending", "descending")
 
     def __init__(self, branches: int = 2, dead_band: float | None = None) -> None:

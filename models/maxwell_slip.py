@@ -25,7 +25,7 @@ out, and every path is a polyline whose inverse is the same path with its axes e
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -289,6 +289,7 @@ class MaxwellSlip(HysteresisModel):
     title: ClassVar[str] = "Maxwell-slip with virtual deformation"
     summary: ClassVar[str] = "the proposed model: polyline curves, Maxwell-slip transitions, exact inverse"
     source: ClassVar[str] = "Qin et al., Eqs. 2-17 and section 5"
+    search_grid: ClassVar[Mapping[str, Sequence[Any]]] = {"vertices": (4, 6, 8), "elements": (2, 4)}
 
     def __init__(
         self, vertices: int = 6, elements: int = 4, geometry: tuple[float, float, float] | None = None

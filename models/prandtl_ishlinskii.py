@@ -7,7 +7,7 @@ hysteresis and creep", IEE Proc. Control Theory Appl. 148(3), 2001.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -134,6 +134,7 @@ class PrandtlIshlinskii(HysteresisModel):
     title: ClassVar[str] = "Prandtl-Ishlinskii"
     summary: ClassVar[str] = "weighted play operators, closed-form inverse; symmetric loops of either orientation"
     source: ClassVar[str] = "Kuhnen & Janocha 2001; Krejci & Kuhnen 2001"
+    search_grid: ClassVar[Mapping[str, Sequence[Any]]] = {"operators": (10, 20, 40, 80)}
     estimated: ClassVar[tuple[str, ...] | None] = ("weights", "offset")
 
     def __init__(self, operators: int = 40, weights: str = "invertible", least_slope: float = 0.1) -> None:

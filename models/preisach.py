@@ -9,7 +9,7 @@ sample costs O(1) however many relays there are.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -208,6 +208,7 @@ class Preisach(HysteresisModel):
         "relays over a triangle of thresholds; any loop shape with wiping-out and congruent minor loops"
     )
     source: ClassVar[str] = "Mayergoyz 1991"
+    search_grid: ClassVar[Mapping[str, Sequence[Any]]] = {"levels": (12, 24, 36)}
     estimated: ClassVar[tuple[str, ...] | None] = ("weights", "offset")
 
     def __init__(self, levels: int = 24, signs: str = "auto", smoothing: float = 1e-5) -> None:
