@@ -77,6 +77,9 @@ class Dataset:
         For synthetic data, what a compensator drives.
     assumptions : sequence of str
         Everything that the source does not say and that had to be assumed.
+    references : mapping of str to str
+        Predictions of y that the source publishes: title for people, for instance ``"LuGre (Doe 2024, published)"``, and
+        the channel of every test recording that holds it. Reports score them like the models' own.
     """
 
     id: str
@@ -94,6 +97,15 @@ class Dataset:
     y_sigma: float
     plant: Plant | None = None
     assumptions: Sequence[str] = ()
+    references: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for title, channel in self.references.items():
+            lacking = [recording.name for recording in self.test if channel not in recording.channels]
+            if lacking:
+                raise ValueError(
+                    f"dataset {self.id!r}: {title}: test recording {lacking[0]!r} has no channel {channel!r}"
+                )
 
     @property
     def kind(self) -> str:

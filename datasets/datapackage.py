@@ -48,6 +48,7 @@ def write_datapackage(dataset: Dataset, folder: str | os.PathLike[str]) -> Path:
         "sources": [source | {"path": url} for url in recorded.urls] if recorded else [source],
         "licenses": [_licence(dataset.licence)],
         "assumptions": list(dataset.assumptions),
+        "references": dict(dataset.references),
         "resources": resources,
     }
     path = target / "datapackage.json"

@@ -21,6 +21,8 @@ PREDICTED = "training reproduction/model predictions/dataset-2 standard/harmonic
 PUBLISHED_PREDICTION = "published_lugre_n"
 """Channel with the authors' own LuGre prediction, N."""
 
+PUBLISHED_TITLE = "LuGre (Coble et al., published)"
+
 # Test number, nominal amplitude (in), frequency (Hz).
 TRAIN = ((6, 1.0, 0.25), (7, 1.0, 0.5), (8, 1.0, 1.0))
 TEST = (
@@ -91,6 +93,7 @@ class FrictionBacklashDamper(DatasetSource):
             licence=self.licence,
             x_sigma=x_sigma,
             y_sigma=y_sigma,
+            references={PUBLISHED_TITLE: PUBLISHED_PREDICTION},
             assumptions=(
                 "Displacement and velocity in these files are 1.5 times those of the authors' other repository (nominal "
                 "0.5 in are 0.0192 m here); they are used as they are.",

@@ -131,7 +131,7 @@ class Loop:
     area : float
         ∮ y dx: positive for a clockwise loop.
     level, height : float
-        Mean output of both branches; output at the high end minus that at the low end.
+        Mean output of both branches; rise over the swing of the line through both.
     gap : float
         Output where the loop is closed minus output where it was opened; NaN where the input just fell short of it.
     nested : bool
@@ -394,7 +394,7 @@ def _loop(time: Floats, x: Floats, y: Floats, p: int, q: int, r: int, nested: bo
         speed=float(2.0 * swing / (time[end] - time[p])),
         area=float(np.sum(0.5 * (ys[1:] + ys[:-1]) * np.diff(xs))),
         level=float(0.5 * (up.mean() + down.mean())),
-        height=float(0.5 * (up[-1] + down[-1] - up[0] - down[0])),
+        height=float(BINS * np.polyfit(np.arange(BINS), 0.5 * (up + down), 1)[0]),
         gap=_gap(x, y, p, q, end, way, swing),
         nested=nested,
         up=up,

@@ -254,8 +254,8 @@ def test_what_changes_from_cycle_to_cycle_is_measured(subject: str, change: obje
     assert estimate.excludes_zero
     assert np.sign(estimate.value) == np.sign(expected)
     if subject != "narrowing":
-        height = np.ptp(stops(CYCLES)) / 2.0
-        scale = 1.0 / height if subject == "drift" else 1.0
+        main = before.main_loops[0]
+        scale = 2.0 / main.range if subject == "drift" else main.height / main.range
         assert estimate.value == pytest.approx(expected * scale, rel=0.1)
     assert told(CYCLES, noisy(y, 0.001, 4))[subject].judged == "warn"
 
