@@ -22,6 +22,7 @@ from .conditions import conditions_for
 from .dask_backend import compute_on_dask
 from .local_backend import compute_here
 from .provenance import describe
+from .references import reference_scores
 from .results import plain, read_cells, write_results
 
 __all__ = ["Plan", "part_of", "plan_run", "run"]
@@ -253,6 +254,8 @@ def _document(plan: Plan, command: list[str]) -> dict[str, Any]:
                 "assumptions": list(dataset.assumptions),
                 "n_train": sum(r.x.size for r in dataset.train),
                 "n_test": sum(r.x.size for r in dataset.test),
+                "test_recordings": [r.name for r in dataset.test],
+                "references": reference_scores(dataset),
             }
             for name, dataset in plan.datasets.items()
         },

@@ -96,6 +96,7 @@ def _dataset(run: RunDirectory, name: str) -> dict[str, Any]:
         "info": run.dataset(name),
         "condition": run.reference_condition(name),
         "table": tables.dataset_table(run, name),
+        "recordings": tables.recording_table(run, name),
         "loops": Markup(figures.loops(run, name)),
         "errors": Markup(figures.errors_over_time(run, name)),
         "hash": run.document.get("data", {}).get(name, {}).get("sha256", ""),

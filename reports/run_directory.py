@@ -25,6 +25,7 @@ NO_RUN: dict[str, Any] = {
 NO_DATASET: dict[str, Any] = {
     "title": "", "kind": "", "split": "", "source": "", "licence": "", "x_name": "input", "x_unit": "", "y_name": "output",
     "y_unit": "", "x_sigma": None, "y_sigma": None, "assumptions": [], "n_train": 0, "n_test": 0,
+    "test_recordings": [], "references": {},
 }  # fmt: skip
 NO_MODEL: dict[str, Any] = {"summary": "", "source": "", "hyperparameters": {}}
 IDENTITY = ("model", "dataset", "condition", "seed")

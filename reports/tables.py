@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
+from ..bench.references import scores_by_recording
 from ..datasets.published_loop import TABLE_4, TABLE_5
 from .run_directory import RunDirectory
 
@@ -22,6 +23,7 @@ __all__ = [
     "number",
     "order_statement",
     "paper_table",
+    "recording_table",
     "reversal_table",
     "timing_table",
 ]
@@ -211,16 +213,55 @@ def dataset_table(run: RunDirectory, dataset: str) -> Table:
         found.append(Cell(messages[0] if messages else "", sort=messages[0] if messages else "", muted=True))
         return found
 
+    def published(scores: dict[str, float]) -> list[Cell]:
+        found = [Cell(number(scores[n]), sort=scores[n]) for n in ("mae", "mre", "rmse", "max_abs", "nrmse")]
+        blank = [Cell("–", muted=True)] * (3 if plant else 2)
+        return [*found, *blank, Cell("as published, scored on the same samples", sort="", muted=True)]
+
     columns = ["Model", f"MAE, {y}", "MRE", f"RMSE, {y}", f"max, {y}", "NRMSE", f"RMSE, {x}", f"max, {x}"]
     groups = [("", 1), ("torque" if y == "N·m" else "output", 5), ("inverse", 2)]
     if plant:
         columns.append(f"RMSE, {y}")
         groups.append(("compensated", 1))
+    rows = _model_rows(run, cells)
+    rows += [[Cell(title, sort=title), *published(scores)] for title, scores in info.get("references", {}).items()]
     return Table(
         f"{dataset}, condition {condition}",
         [*columns, "Remark"],
         _mark_best(_model_rows(run, cells), range(1, len(columns))),
         groups=(*groups, ("", 1)),
+    )
+
+
+def recording_table(run: RunDirectory, dataset: str) -> Table | None:
+    """NRMSE on each test recording, beside predictions that the data's authors published; None for a single recording."""
+    info = run.dataset(dataset)
+    names, references = info.get("test_recordings", []), info.get("references", {})
+    if len(names) < 2:
+        return None
+    condition = run.reference_condition(dataset)
+    # Against one published prediction a ratio says more than a figure.
+    base = [s["nrmse"] for s in next(iter(references.values()))["recordings"]] if len(references) == 1 else []
+
+    def cell(value: float, place: int) -> Cell:
+        ratio = f" ({value / base[place]:.2f})" if base else ""
+        return Cell(number(value) + ratio, sort=value)
+
+    def cells(model: str) -> list[Cell]:
+        stored = run.arrays(model, dataset, condition)
+        if "y_pred" not in stored:
+            return [_status_cell(run.rows(dataset, condition, "forward", model))] * len(names)
+        scores = scores_by_recording(*(stored[key] for key in ("y_true", "y_pred", "scored", "recording")))
+        return [cell(s["nrmse"], k) for k, s in enumerate(scores)]
+
+    rows = _model_rows(run, cells)
+    for title, scores in references.items():
+        rows.append([Cell(title, sort=title), *(cell(s["nrmse"], k) for k, s in enumerate(scores["recordings"]))])
+    note = f"; in brackets as a share of {next(iter(references))}" if base else ""
+    return Table(
+        f"{dataset}, condition {condition}: NRMSE of the output on each test recording, first seed{note}",
+        ["Model", *names],
+        _mark_best(rows, range(1, len(names) + 1)),
     )
 
 
