@@ -22,6 +22,7 @@ __all__ = [
     "Stepper",
     "UnknownModelError",
     "check_model",
+    "citation",
     "get",
     "ids",
     "load",
@@ -63,6 +64,19 @@ def load(path: Any) -> Any:
         If the file is missing, is no model file, or its parameters are not valid for the model it names.
     """
     return load_parameters(path, get)
+
+
+def citation(*names: str) -> str:
+    """BibTeX of the sources of these models, each entry once; of all registered models if none is named.
+
+    Raises
+    ------
+    UnknownModelError
+        If an id is not registered.
+    """
+    from .citations import bibtex
+
+    return bibtex([get(name) for name in names or ids()])
 
 
 def check_model(cls: type[Any], *, seed: int = 0) -> list[str]:

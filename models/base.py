@@ -144,6 +144,8 @@ class HysteresisModel:
     title: ClassVar[str]
     summary: ClassVar[str]
     source: ClassVar[str]
+    references: ClassVar[tuple[str, ...]] = ()
+    """BibTeX entries of the source, or keys of ``references.bib``; see :func:`hystbench.models.citation`."""
     version: ClassVar[str] = "1"
     """Raised whenever the same data would give another result, so that kept results are not mistaken for new ones."""
     rate_independent: ClassVar[bool] = True

@@ -175,6 +175,7 @@ class BoucWen(HysteresisModel):
     title: ClassVar[str] = "Bouc-Wen"
     summary: ClassVar[str] = "a differential equation with five parameters; smooth symmetric loops"
     source: ClassVar[str] = "Wen 1976; Ikhouane & Rodellar 2007"
+    references: ClassVar[tuple[str, ...]] = ("wen1976",)
     search_grid: ClassVar[Mapping[str, Sequence[Any]]] = {"n": (None, 1.0, 2.0)}
     estimated: ClassVar[tuple[str, ...] | None] = ("stiffness", "alpha", "beta", "gamma", "n", "offset")
 

@@ -164,6 +164,7 @@ class BoucWenBaberNoori(HysteresisModel):
     title: ClassVar[str] = "Bouc-Wen-Baber-Noori"
     summary: ClassVar[str] = "Bouc-Wen with asymmetry, pinching and degradation of strength and stiffness with energy"
     source: ClassVar[str] = "Baber & Noori 1986; Foliente 1995; Wang & Wen 2000"
+    references: ClassVar[tuple[str, ...]] = ("baber-noori1986",)
     extended: ClassVar[bool] = True
 
     def __init__(self, spring_degree: int = 5, starts: int = 128, seed: int = 0) -> None:

@@ -176,6 +176,7 @@ class ChoiBacklash(HysteresisModel):
     title: ClassVar[str] = "Choi backlash polynomial"
     summary: ClassVar[str] = "polynomial curves joined by transition lines; few parameters, clockwise loops"
     source: ClassVar[str] = "Choi et al. 2017, appendix 1, Eqs. 40-43"
+    references: ClassVar[tuple[str, ...]] = ("choi2017",)
     search_grid: ClassVar[Mapping[str, Sequence[Any]]] = {"degree": (3, 5, 7)}
     estimated: ClassVar[tuple[str, ...] | None] = ("ascending_pos", "ascending_neg", "descending_pos", "descending_neg", "slope_pos", "slope_neg")
 

@@ -84,6 +84,7 @@ class Cubic(HysteresisModel):
         "one cubic polynomial per direction of motion; the baseline, no memory beyond the direction"
     )
     source: ClassVar[str] = "Qin et al., section 4.2"
+    references: ClassVar[tuple[str, ...]] = ("qin-maxwell-slip-vsa",)
     search_grid: ClassVar[Mapping[str, Sequence[Any]]] = {"branches": (2, 1)}
     estimated: ClassVar[tuple[str, ...] | None] = ("ascending", "descending")
 

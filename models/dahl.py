@@ -90,6 +90,7 @@ class Dahl(HysteresisModel):
         "polynomial spring and Dahl's friction; smooth loops from three constants, rate-independent"
     )
     source: ClassVar[str] = "Dahl 1968, 1976"
+    references: ClassVar[tuple[str, ...]] = ("dahl1976",)
     extended: ClassVar[bool] = True
 
     def __init__(self, spring_degree: int = 5, starts: int = 32, seed: int = 0) -> None:

@@ -98,6 +98,7 @@ class Duhem(HysteresisModel):
     title: ClassVar[str] = "Duhem (Coleman-Hodgdon)"
     summary: ClassVar[str] = "relaxes towards a curve over the distance travelled; smooth loops of either orientation"
     source: ClassVar[str] = "Coleman & Hodgdon 1986; Oh & Bernstein 2005"
+    references: ClassVar[tuple[str, ...]] = ("oh-bernstein2005",)
     extended: ClassVar[bool] = True
 
     def __init__(self, degree: int = 5, loss_degree: int = 2, starts: int = 16, seed: int = 0) -> None:

@@ -67,6 +67,7 @@ class Elastic(HysteresisModel):
         "a rising curve without memory, or the VSA's elastic law; the baseline for hysteresis models"
     )
     source: ClassVar[str] = "Qin et al., Eqs. 6 and A.4-A.12"
+    references: ClassVar[tuple[str, ...]] = ("qin-maxwell-slip-vsa",)
     extended: ClassVar[bool] = True
 
     def __init__(self, segments: int = 16, geometry: tuple[float, float, float] | None = None) -> None:

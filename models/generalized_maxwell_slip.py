@@ -121,6 +121,7 @@ class GeneralizedMaxwellSlip(HysteresisModel):
     title: ClassVar[str] = "Generalized Maxwell-slip"
     summary: ClassVar[str] = "polynomial spring and parallel stick-slip elements with frictional lag; rate-dependent"
     source: ClassVar[str] = "Al-Bender et al. 2005"
+    references: ClassVar[tuple[str, ...]] = ("al-bender2005",)
     rate_independent: ClassVar[bool] = False
     extended: ClassVar[bool] = True
 

@@ -34,6 +34,7 @@ class Linear(HysteresisModel):
     title: ClassVar[str] = "Linear spring"
     summary: ClassVar[str] = "y = k x + b, no memory; what every other model must beat"
     source: ClassVar[str] = "Hooke's law; Choi et al. 2017, Eq. 40"
+    references: ClassVar[tuple[str, ...]] = ("choi2017",)
     extended: ClassVar[bool] = True
 
     def _identify(self, runs: Sequence[Run]) -> dict[str, Any]:

@@ -101,6 +101,7 @@ class LuGre(HysteresisModel):
     title: ClassVar[str] = "LuGre friction"
     summary: ClassVar[str] = "polynomial spring and bristle friction with Stribeck and viscous parts; rate-dependent"
     source: ClassVar[str] = "Canudas de Wit et al. 1995"
+    references: ClassVar[tuple[str, ...]] = ("canudas1995",)
     rate_independent: ClassVar[bool] = False
     extended: ClassVar[bool] = True
 

@@ -289,6 +289,7 @@ class MaxwellSlip(HysteresisModel):
     title: ClassVar[str] = "Maxwell-slip with virtual deformation"
     summary: ClassVar[str] = "the proposed model: polyline curves, Maxwell-slip transitions, exact inverse"
     source: ClassVar[str] = "Qin et al., Eqs. 2-17 and section 5"
+    references: ClassVar[tuple[str, ...]] = ("qin-maxwell-slip-vsa",)
     search_grid: ClassVar[Mapping[str, Sequence[Any]]] = {"vertices": (4, 6, 8), "elements": (2, 4)}
 
     def __init__(

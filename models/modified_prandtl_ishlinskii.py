@@ -65,6 +65,7 @@ class ModifiedPrandtlIshlinskii(HysteresisModel):
         "play operators and dead zones in series, closed-form inverse; asymmetric and stiffening loops"
     )
     source: ClassVar[str] = "Kuhnen 2003"
+    references: ClassVar[tuple[str, ...]] = ("kuhnen2003",)
     extended: ClassVar[bool] = True
 
     def __init__(self, operators: int = 30, dead_zones: int = 6, least_slope: float = 0.03) -> None:

@@ -134,6 +134,7 @@ class PrandtlIshlinskii(HysteresisModel):
     title: ClassVar[str] = "Prandtl-Ishlinskii"
     summary: ClassVar[str] = "weighted play operators, closed-form inverse; symmetric loops of either orientation"
     source: ClassVar[str] = "Kuhnen & Janocha 2001; Krejci & Kuhnen 2001"
+    references: ClassVar[tuple[str, ...]] = ("krejci-kuhnen2001",)
     search_grid: ClassVar[Mapping[str, Sequence[Any]]] = {"operators": (10, 20, 40, 80)}
     estimated: ClassVar[tuple[str, ...] | None] = ("weights", "offset")
 

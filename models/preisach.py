@@ -208,6 +208,7 @@ class Preisach(HysteresisModel):
         "relays over a triangle of thresholds; any loop shape with wiping-out and congruent minor loops"
     )
     source: ClassVar[str] = "Mayergoyz 1991"
+    references: ClassVar[tuple[str, ...]] = ("mayergoyz1991",)
     search_grid: ClassVar[Mapping[str, Sequence[Any]]] = {"levels": (12, 24, 36)}
     estimated: ClassVar[tuple[str, ...] | None] = ("weights", "offset")
 
