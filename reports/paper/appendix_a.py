@@ -69,8 +69,8 @@ ASSUMED = Branch(
     l1=CONSTANTS["crank_m"],
     l3=CONSTANTS["link_m"],
     k=CONSTANTS["belt_stiffness_n_m"],
-    preload=CLAIMS["preload_n"],  # type: ignore[arg-type]
-    count=CLAIMS["branches"],  # type: ignore[arg-type]
+    preload=CLAIMS["preload_n"],
+    count=CLAIMS["branches"],
 )
 """Lengths and stiffness that the dataset vsa-physical assumes; preload and number of branches are the paper's."""
 

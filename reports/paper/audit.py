@@ -154,7 +154,7 @@ def _() -> Found:
 )  # fmt: skip
 def _() -> Found:
     claimed, used = printed.CLAIMS["choi_degree"], printed.SECOND_PAPER_DEGREE
-    return f"degree {used}", used > claimed, {"claimed": claimed, "used": used}  # type: ignore[operator, dict-item]
+    return f"degree {used}", used > claimed, {"claimed": claimed, "used": used}
 
 
 @_row(
@@ -193,7 +193,7 @@ def _() -> Found:
     printed="maximum stretch of 0.7 kg", how="dimensions", reading="a pull of 0.7 kgf = 6.9 N",
 )  # fmt: skip
 def _() -> Found:
-    pull = printed.CLAIMS["belt_stretch_kg"] * printed.STANDARD_GRAVITY  # type: ignore[operator]
+    pull = printed.CLAIMS["belt_stretch_kg"] * printed.STANDARD_GRAVITY
     return f"{inconsistent(1, 'section 2.1, belt')}; as a weight {pull:.2f} N", True, {"pull_n": pull}
 
 
@@ -205,9 +205,9 @@ def _() -> Found:
     note="Holds if 0.7 kg is the largest pull of one belt; half of it if both strands pull with 0.7 kgf each.",
 )  # fmt: skip
 def _() -> Found:
-    pull = printed.CLAIMS["belt_stretch_kg"] * printed.STANDARD_GRAVITY  # type: ignore[operator]
-    arm = abs(VERTICES["J"][1]) / (printed.CLAIMS["branches"] * pull)  # type: ignore[operator]
-    preload = printed.CLAIMS["preload_n"] / pull  # type: ignore[operator]
+    pull = printed.CLAIMS["belt_stretch_kg"] * printed.STANDARD_GRAVITY
+    arm = abs(VERTICES["J"][1]) / (printed.CLAIMS["branches"] * pull)
+    preload = printed.CLAIMS["preload_n"] / pull
     return (
         f"a crank of at least {arm:.3f} m ({arm / 2:.3f} m with two strands), for an elbow joint; the preload alone is {preload:.0%} of that pull",
         arm / 2 > 0.05,
@@ -373,7 +373,7 @@ def _() -> Found:
 )  # fmt: skip
 def _() -> Found:
     count, branches = len(PRINTED_ELEMENTS["k"]), printed.CLAIMS["branches"]
-    return f"{count} elements, N = {branches}", count != branches, {"elements": count, "branches": branches}  # type: ignore[dict-item]
+    return f"{count} elements, N = {branches}", count != branches, {"elements": count, "branches": branches}
 
 
 @_row(
@@ -486,7 +486,8 @@ def _() -> Found:
     "|x(P_{N+1}) − x(P_1)|.",
 )  # fmt: skip
 def _() -> Found:
-    told, values = [], {}
+    told: list[str] = []
+    values: dict[str, float] = {}
     for name, transition in (("+", TRANSITION_POS), ("−", TRANSITION_NEG)):
         gained = abs(transition[-1, 1] - transition[0, 1])
         literal, right = printed_limits(transition).sum(), derived_limits(transition).sum()
@@ -636,7 +637,7 @@ def _() -> Found:
 )  # fmt: skip
 def _() -> Found:
     ends, deepest = crossing()
-    x = np.linspace(*ends, 2001)
+    x = np.linspace(ends[0], ends[1], 2001)
     lobe = float(np.trapezoid(gap_between_curves(x), x))
     at_origin = float(gap_between_curves(np.array([0.0]))[0])
     return (
@@ -696,7 +697,7 @@ def _() -> Found:
     reading="0.2 N·m", note="Compatible as inequalities; no text says which test the weaker one belongs to.",
 )  # fmt: skip
 def _() -> Found:
-    bounds = [float(printed.CLAIMS[f"torque_error_{w}"]) for w in ("abstract", "section_4", "figure_16")]  # type: ignore[arg-type]
+    bounds = [float(printed.CLAIMS[f"torque_error_{w}"]) for w in ("abstract", "section_4", "figure_16")]
     return (
         f"{min(bounds)} to {max(bounds)} N·m",
         min(bounds) < max(bounds),
@@ -743,9 +744,9 @@ def _() -> Found:
 )  # fmt: skip
 def _() -> Found:
     c = printed.CLAIMS
-    measured, simulated = float(c["mean_torque_measured"]), float(c["mean_torque_simulated"])  # type: ignore[arg-type]
+    measured, simulated = float(c["mean_torque_measured"]), float(c["mean_torque_simulated"])
     share = (measured - simulated) / measured
-    least = (float(c["mean_torque_error"]) - 0.005) * (measured - half_step(1))  # type: ignore[arg-type]
+    least = (float(c["mean_torque_error"]) - 0.005) * (measured - half_step(1))
     mae = TABLE_4["maxwell-slip"]["mae"]
     return (
         f"{share:.1%} from the printed averages; a difference of at least {least:.3f} N·m > MAE {mae} N·m",
@@ -829,7 +830,7 @@ def _() -> Found:
     low, high = interval(
         lambda a, b: 1.0 - a / b, [TABLE_5["maxwell-slip"]["rmse"], TABLE_5["cubic"]["rmse"]], [half, half]
     )
-    claimed: Any = printed.CLAIMS["reduction"]
+    claimed = printed.CLAIMS["reduction"]
     differs = abs(found["rmse"] - claimed["rmse"]) > 0.005
     follows = all(abs(found[m] - claimed[m]) < 0.005 for m in ("mre", "mae"))
     return (
@@ -846,7 +847,7 @@ def _() -> Found:
 )  # fmt: skip
 def _() -> Found:
     span = max(abs(x) for x, _ in VERTICES.values())
-    return f"deflections reach {span:g}", span > printed.CLAIMS["deflection_error"], {"largest": span}  # type: ignore[operator]
+    return f"deflections reach {span:g}", span > printed.CLAIMS["deflection_error"], {"largest": span}
 
 
 # ---- first paper: appendix -----------------------------------------------------------------------------------------

@@ -6,9 +6,12 @@ import csv
 import io
 import json
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
+
+from rich.console import Console
 
 from ...errors import InputError
 from ...files import write_text
@@ -119,7 +122,9 @@ def write_paper(out: Path) -> Path:
     if out.exists() and not out.is_dir():
         raise InputError(f"--out {out} is a file; name a folder")
     out.mkdir(parents=True, exist_ok=True)
-    return write(collect(), out)
+    console = Console(stderr=True)
+    with console.status("recomputing both papers") if console.is_terminal else nullcontext():
+        return write(collect(), out)
 
 
 def _figure(value: Any) -> Any:

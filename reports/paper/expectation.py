@@ -69,6 +69,7 @@ def expectation(results: Results) -> dict[str, Any]:
         "passivity": {
             f"{row.model} | {row.path}": {"passive": row.passive, "printed": _round(row.printed)}
             for row in results.integrals
+            if math.isfinite(row.printed)
         },
         "orders": {
             f"{row.study} | {row.variant} | {row.metric}": {"order": row.order, "closest": _round(row.closest)}

@@ -6,6 +6,8 @@ its appendices 1 and 2; its main text, with Eqs. 1-39 and Tables 1-6, was not.
 
 from __future__ import annotations
 
+from typing import Any
+
 __all__ = [
     "APPENDIX_CITED",
     "CITED",
@@ -48,7 +50,7 @@ TABLE_3_DECIMALS = {"k": (4, 1, 0, 1), "eta": (2, 2, 3, 3), "k'": (2, 2, 2, 2), 
 
 TABLE_DECIMALS = {4: 3, 5: 3}
 
-CLAIMS = {
+CLAIMS: dict[str, Any] = {
     "branches": 6,  # N of Tables 1 to 3 and of Eqs. 1, 6, A.12
     "preload_n": 5.0,  # section 2.1
     "belt_stretch_kg": 0.7,  # section 2.1, "maximum stretch"

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...datasets.published_loop import (
     PRINTED_ELEMENTS,
@@ -23,6 +25,7 @@ from .rounding import half_step, interval, verdict
 
 __all__ = ["METRICS", "Compared", "table_1", "table_2", "table_3", "table_4_and_5"]
 
+Floats = NDArray[np.float64]
 METRICS = ("mae", "mre", "rmse")
 CLOSE = 1.1
 SAME_SIZE = 2.0
@@ -129,7 +132,7 @@ def table_3() -> list[Compared]:
         ):
             for i in range(count):
 
-                def value(*flat: float, i: int = i, function=function) -> float:  # type: ignore[no-untyped-def]
+                def value(*flat: float, i: int = i, function: Callable[[Floats], Floats] = function) -> float:
                     return float(function(np.reshape(flat, (-1, 2)))[i])
 
                 recomputed = value(*transition.ravel())
