@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -11,11 +10,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from hystbench import models
 from hystbench.bench.cells import data_hash
 from hystbench.bench.metrics import score
-from hystbench.datasets import Dataset, DatasetUnavailableError, Recording, get, ids
+from hystbench.datasets import Dataset, DatasetUnavailableError, Recording, concatenate, get, ids
 from hystbench.datasets.cycloidal import ANGLE_TOLERANCE, Cycloidal, loops
-from hystbench.datasets.friction_backlash_damper import PUBLISHED_PREDICTION, full_rate_recordings
+from hystbench.datasets.friction_backlash_damper import PUBLISHED_PREDICTION, FrictionBacklashDamper, scatter
+from hystbench.datasets.inspection import inspect_recording
+from hystbench.datasets.mr_damper import MrDamper
+from hystbench.datasets.pneumatic_seal import PneumaticSeal, effective_area
 from hystbench.datasets.recorded import thinned, until_first_turn
 from hystbench.datasets.servo_pendulum import ServoLog, ServoPendulum, drive_constants
 from hystbench.datasets.steel_coupons import CONSTANT, GROWING, VARIABLE, SteelCoupons
@@ -114,39 +117,46 @@ def test_absent_files_are_said_to_be_absent(name: str, tmp_path: Path, monkeypat
 
 
 def test_the_mr_damper_equals_the_conversion() -> None:
-    strides = {"25 mm, 0.1 Hz": 2, "25 mm, 0.25 Hz": 2, "25 mm, 0.5 Hz": 2, "10 mm, 1 Hz": 2, "5 mm, 3 Hz": 2}
-    data = load("mr-damper")
-    for recording in (*data.train, *data.test):
-        amplitude, frequency = recording.name.replace(" ", "").removesuffix("Hz").split("mm,")
-        table = converted(f"mr_damper_sine/amp{int(amplitude):02d}mm_{frequency}hz_1.00a.csv")
-        table = table.iloc[:: strides.get(recording.name, 1)]
-        assert_same(recording.time, table["time_s"])
-        assert_same(recording.x, table["displacement_mm"])
-        assert_same(recording.y, table["force_n"])
-        assert_same(recording.channels["velocity_mm_s"], table["velocity_mm_s"])
+    found = recordings(MrDamper)
+    assert len(found) == 18
+    for recording in found.values():
+        amplitude, frequency, current = (part.split()[0] for part in recording.name.split(", "))
+        table = converted(f"mr_damper_sine/amp{int(amplitude):02d}mm_{frequency}hz_{float(current):.2f}a.csv")
+        thin = thinned(recording, -(-recording.x.size // len(table)))
+        assert_same(thin.time, table["time_s"])
+        assert_same(thin.x, table["displacement_mm"])
+        assert_same(thin.y, table["force_n"])
+        assert_same(thin.channels["velocity_mm_s"], table["velocity_mm_s"])
+
+
+def test_the_unfiltered_mr_damper_equals_the_conversion() -> None:
+    table = converted("mr_damper_sine/raw_unfiltered_2mm5Hz_all_currents.csv")
+    recording = MrDamper().unfiltered()
+    thin = thinned(recording, -(-recording.x.size // len(table)))
+    assert_same(thin.time, table["time_s"])
+    assert_same(thin.x, table["displacement_mm"])
+    assert_same(thin.y, table["force_n"])
 
 
 def test_the_pneumatic_seal_equals_the_conversion() -> None:
-    data = load("pneumatic-seal")
-    for recording in (*data.train, *data.test):
-        table = converted(f"pneumatic_seal_friction/o-ring_{recording.name.replace(' ', '')}.csv")
-        table = table.iloc[:: -(-len(table) // recording.x.size)]
-        assert_same(recording.time, table["time_s"], offset=table["time_s"].iloc[0])
-        assert_same(recording.x, table["displacement_mm"])
-        assert_same(recording.channels["pressure_bar"], table["pressure_bar"])
-        assert_same(recording.channels["force_n"], table["force_n"])
+    found = recordings(PneumaticSeal)
+    assert len(found) == 8
+    for recording in found.values():
+        seal, bar = recording.name.lower().split(", ")
+        table = converted(f"pneumatic_seal_friction/{seal}_{bar.replace(' ', '')}.csv")
+        thin = thinned(recording, -(-recording.x.size // len(table)))
+        assert_same(thin.time, table["time_s"], offset=table["time_s"].iloc[0])
+        assert_same(thin.x, table["displacement_mm"])
+        assert_same(thin.channels["pressure_bar"], table["pressure_bar"])
+        assert_same(thin.channels["force_n"], table["force_n"])
 
 
-def full_rate_damper() -> Iterator[Recording]:
-    try:
-        train, test = full_rate_recordings()
-    except DatasetUnavailableError as error:
-        pytest.skip(str(error))
-    yield from (*train, *test)
+def with_prediction() -> list[Recording]:
+    return [r for r in recordings(FrictionBacklashDamper).values() if PUBLISHED_PREDICTION in r.channels]
 
 
 def test_the_friction_damper_equals_the_conversion() -> None:
-    for recording in full_rate_damper():
+    for recording in with_prediction():
         amplitude, frequency = recording.name.removesuffix(" Hz").split(" in, ")
         table = converted(f"brfd_friction_backlash/amp{float(amplitude):.1f}in_{frequency}hz_36lb.csv")
         thin = thinned(recording, round(recording.x.size / len(table)))
@@ -157,9 +167,19 @@ def test_the_friction_damper_equals_the_conversion() -> None:
         assert_same(thin.channels[PUBLISHED_PREDICTION], table["lugre_published_force_n"])
 
 
+def test_the_friction_damper_at_other_tensions_equals_the_conversion() -> None:
+    for tension in (20, 25, 70):
+        recording = recordings(FrictionBacklashDamper)[f"1 in, 1 Hz, {tension} lb"]
+        table = converted(f"brfd_friction_backlash/tension_series_1hz_{tension}lb.csv")
+        thin = thinned(recording, round(recording.x.size / len(table)))
+        assert_same(thin.x, table["displacement_m"])
+        assert_same(thin.y, table["force_n"])
+        assert_same(thin.channels["velocity_m_s"], table["velocity_m_s"])
+
+
 def test_the_published_lugre_prediction_scores_as_tabulated() -> None:
     table = converted("brfd_friction_backlash/published_lugre_errors.csv").set_index(["amplitude", "frequency_hz"])
-    for recording in full_rate_damper():
+    for recording in with_prediction():
         amplitude, frequency = recording.name.removesuffix(" Hz").split(" in, ")
         row = table.loc[(f"{float(amplitude):.1f}in", float(frequency))]
         scores = score(recording.y, recording.channels[PUBLISHED_PREDICTION])
@@ -224,7 +244,56 @@ def test_the_cycloidal_loops_equal_the_conversion() -> None:
 
 def test_the_force_of_the_mr_damper_grows_with_speed() -> None:
     peaks = {r.name: np.quantile(np.abs(r.y[r.warm_up :]), 0.9) for r in load("mr-damper").train}
-    assert peaks["25 mm, 0.5 Hz"] > 1.15 * peaks["25 mm, 0.1 Hz"]
+    assert peaks["25 mm, 0.5 Hz, 0.5 A"] > 1.15 * peaks["25 mm, 0.1 Hz, 0.5 A"]
+
+
+def test_the_loops_of_the_mr_damper_repeat_at_half_an_ampere_only() -> None:
+    def spread(name: str) -> float:
+        areas = [loop.area for loop in inspect_recording(recordings(MrDamper)[name]).main_loops]
+        return float(np.ptp(areas) / np.mean(areas))
+
+    for frequency in (0.1, 0.25):
+        assert spread(f"25 mm, {frequency} Hz, 0.5 A") < 0.01
+        for current in (0, 1):
+            assert spread(f"25 mm, {frequency} Hz, {current} A") > 0.04
+
+
+def test_stick_slip_of_the_friction_damper_bounds_what_a_function_of_the_motion_can_reach() -> None:
+    shares = {}
+    for recording in with_prediction():
+        kept = slice(recording.warm_up, None)
+        published = score(recording.y[kept], recording.channels[PUBLISHED_PREDICTION][kept])["nrmse"]
+        shares[recording.name] = scatter(recording) / published
+    tested = [shares[r.name] for r in load("friction-backlash-damper").test]
+    assert min(tested) == pytest.approx(0.18, abs=0.01)
+    assert max(tested) == pytest.approx(0.40, abs=0.01)
+
+
+def test_scatter_is_that_of_the_cycles_alone() -> None:
+    phase = np.arange(8 * 1024) / 1024.0
+    x = np.sin(2.0 * np.pi * phase)
+    y = 10.0 * np.sign(np.cos(2.0 * np.pi * phase + 0.3))
+    conditions = {"frequency": "1 Hz"}
+    assert scatter(Recording("made up", phase, x, y, conditions=conditions)) == 0.0
+    noisy = y + 0.5 * np.random.default_rng(0).standard_normal(y.size)
+    found = scatter(Recording("made up", phase, x, noisy, conditions=conditions))
+    assert found == pytest.approx(0.5 / np.ptp(noisy), rel=0.02)
+
+
+def test_an_asymmetric_model_beats_the_published_one_on_the_friction_damper() -> None:
+    data = load("friction-backlash-damper")
+    model = models.get("modified-prandtl-ishlinskii")()
+    x, y, groups = concatenate(data.train)
+    model.fit(x, y, groups=groups)
+    ratios = []
+    for recording in data.test:
+        kept = slice(recording.warm_up, None)
+        published = score(recording.y[kept], recording.channels[PUBLISHED_PREDICTION][kept])["nrmse"]
+        ratios.append(score(recording.y[kept], model.predict(recording.x)[kept])["nrmse"] / published)
+    # The target of 0.65 is met on four of seven tests; 0.5 in at 2 Hz is as bad as published.
+    assert sum(ratio <= 0.65 for ratio in ratios) >= 4
+    assert np.mean(ratios) < 0.7
+    assert max(ratios) < 1.1
 
 
 def test_the_friction_of_the_seal_grows_with_pressure() -> None:
@@ -324,6 +393,16 @@ def test_loops_come_back_from_a_figure_to_the_precision_of_its_digits(
         expected = drawn[test, state]
         assert torque == pytest.approx(expected[0], abs=1e-5 * 50.0)
         assert np.deg2rad(degrees) == pytest.approx(np.deg2rad(expected[1]), abs=0.01 * ANGLE_TOLERANCE)
+
+
+def test_the_effective_area_is_free_of_friction() -> None:
+    x = 20.0 + 20.0 * np.sin(np.linspace(0.0, 40.0, 4000))
+    tests = []
+    for bar in (1.0, 5.0):
+        pressure = bar + 0.1 * np.sign(np.gradient(x))
+        force = 49.0 * pressure + 2.0 * bar * np.sign(np.gradient(x))
+        tests.append(np.array([x, x, x, x, x, pressure, force]))
+    assert effective_area(tests) == pytest.approx(49.0, rel=1e-3)
 
 
 def test_thinning_keeps_channels_together_and_the_warm_up_in_place() -> None:
