@@ -9,6 +9,7 @@ every subset of the others (Lindeman, Merenda & Gold 1980; Owen, SIAM/ASA J. Unc
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from math import factorial
 
 import numpy as np
@@ -73,9 +74,9 @@ def locate(signals: Signals, explained: dict[str, Floats], floor: float, seed: i
     ends = np.cumsum([1, *widths])
     design = np.hstack([np.ones((rest.size, 1)), *blocks, rest[:, None]])
     edges = np.linspace(0, rest.size, BLOCKS + 1).astype(int)
-    grams = np.stack([design[a:b].T @ design[a:b] for a, b in zip(edges[:-1], edges[1:], strict=True)])
+    grams = np.stack([design[a:b].T @ design[a:b] for a, b in pairwise(edges)])
     energies = {name: np.add.reduceat(np.square(part), edges[:-1]) for name, part in explained.items()}
-    index = [np.arange(start, stop) for start, stop in zip(ends[:-1], ends[1:], strict=True)]
+    index = [np.arange(start, stop) for start, stop in pairwise(ends)]
     rng = np.random.default_rng(seed)
 
     def shares(rows: NDArray[np.intp]) -> dict[str, float]:

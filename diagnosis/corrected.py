@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, ClassVar
 
 import numpy as np
@@ -53,6 +54,7 @@ class CorrectedSimulator(HysteresisModel):
     summary: ClassVar[str] = "a simulator or its emulator with the effects that a diagnosis found added"
     source: ClassVar[str] = "hystbench diagnose"
     rate_independent: ClassVar[bool] = False
+    extended: ClassVar[bool] = True
 
     def __init__(self, interval: float = 0.01) -> None:
         self.interval = interval
@@ -65,7 +67,7 @@ class CorrectedSimulator(HysteresisModel):
             x=np.concatenate([run.x for run in runs]),
             y_real=y,
             y_sim=y,
-            runs=[slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)],
+            runs=[slice(a, b) for a, b in pairwise(edges)],
             channels={},
         )
         base = {"model": "generalised", "parameters": Generalised(signals).parameters()}
@@ -174,6 +176,11 @@ def formula(found: Diagnosis) -> str:
     for term in hypothesis.terms:
         values = ", ".join(f"{name} = {value:.6g}" for name, value in hypothesis.parameters(term.effect.id).items())
         units = {p.name: p.unit for p in term.effect.parameters}
-        told = ", ".join(f"{name} in {units[name]}" for name in hypothesis.parameters(term.effect.id) if units.get(name))
-        lines.append(f"{term.effect.title} ({term.form.name}): {term.effect.equation}\n    {values}" + (f"   [{told}]" if told else ""))
+        told = ", ".join(
+            f"{name} in {units[name]}" for name in hypothesis.parameters(term.effect.id) if units.get(name)
+        )
+        lines.append(
+            f"{term.effect.title} ({term.form.name}): {term.effect.equation}\n    {values}"
+            + (f"   [{told}]" if told else "")
+        )
     return "\n".join(lines)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -44,6 +45,10 @@ def deliver(
 
         found = write_diagnosis(found, out, model, [str(file) for file in real], [str(file) for file in simulators])
         lines.append(str(out / "diagnosis.html"))
+    elif json_file is not None and str(json_file) != "-":
+        from .excitation import design_next
+
+        found = replace(found, next_recording=design_next(found, json_file.parent / f"{json_file.stem}-next.csv"))
     if json_file is not None:
         if str(json_file) == "-":
             return [found.to_json().rstrip("\n")]
@@ -64,19 +69,25 @@ def sentence(found: Diagnosis) -> str:
         named.append("the simulator's own parameters, which are off")
     cause = named[0] if len(named) == 1 else f"{', '.join(named[:-1])} and {named[-1]}"
     closed = min(max(found.closed_in_all, 0.0), 1.0)
-    return f"The gap of {found.rmse:.3g} N·m comes from {cause}; adding that closes {100.0 * closed:.0f} % of it {sure}."
+    return (
+        f"The gap of {found.rmse:.3g} N·m comes from {cause}; adding that closes {100.0 * closed:.0f} % of it {sure}."
+    )
 
 
 def summary(found: Diagnosis) -> list[str]:
     """A few lines for the terminal."""
     lines = [sentence(found)]
     if found.places:
-        lines.append("where: " + ", ".join(f"{place.coordinate} {100.0 * place.share:.0f} %" for place in found.places[:3]))
+        lines.append(
+            "where: " + ", ".join(f"{place.coordinate} {100.0 * place.share:.0f} %" for place in found.places[:3])
+        )
     for report in found.effects:
         if report.name in found.verdict:
             parameters = ", ".join(f"{name} = {value:.4g}" for name, value in report.parameters.items())
             low, high = report.closed_interval
-            lines.append(f"{report.name}: {report.law}, {parameters}; closes {report.closed:.2f} [{low:.2f}, {high:.2f}], {report.adequacy}")
+            lines.append(
+                f"{report.name}: {report.law}, {parameters}; closes {report.closed:.2f} [{low:.2f}, {high:.2f}], {report.adequacy}"
+            )
     for pair in found.ambiguous:
         lines.append(f"this recording cannot tell apart: {' and '.join(pair)}")
     if found.next_recording:

@@ -179,7 +179,9 @@ def diagnose(signals: Signals, model: Any | None = None, exclude: Sequence[str] 
         reports.append(_recalibration_report(signals, choice, floor, seed))
     notes = []
     if model is None:
-        notes.append(f"the simulator is emulated by {emulator.name}, error {100.0 * emulator.error:.2g} % of its output")
+        notes.append(
+            f"the simulator is emulated by {emulator.name}, error {100.0 * emulator.error:.2g} % of its output"
+        )
     named = [name for name in choice.verdict if name not in (MISCALIBRATION, UNKNOWN)]
     return Diagnosis(
         signals=signals,
@@ -222,11 +224,31 @@ def _effect_reports(
         for name in names:
             marginal[name] = marginal.get(name, 0.0) + probability
     for name in choice.hypothesis.names:
-        made.append(_report(evidence, choice.hypothesis, choice.held, name, max(marginal.get(name, 0.0), choice.confidence if name in choice.verdict else 0.0), floor, seed))
+        made.append(
+            _report(
+                evidence,
+                choice.hypothesis,
+                choice.held,
+                name,
+                max(marginal.get(name, 0.0), choice.confidence if name in choice.verdict else 0.0),
+                floor,
+                seed,
+            )
+        )
     alone = [h for h in found if len(h.terms) == 1 and not h.names <= choice.hypothesis.names]
     for hypothesis in alone[:REPORTED]:
         (name,) = hypothesis.names
-        made.append(_report(evidence, hypothesis, held_out(evidence, hypothesis, 0), name, min(marginal.get(name, 0.0), 1.0 - choice.confidence), floor, seed))
+        made.append(
+            _report(
+                evidence,
+                hypothesis,
+                held_out(evidence, hypothesis, 0),
+                name,
+                min(marginal.get(name, 0.0), 1.0 - choice.confidence),
+                floor,
+                seed,
+            )
+        )
     return made
 
 
@@ -282,4 +304,3 @@ def _waterfall(signals: Signals, choice: Choice, named: Sequence[str]) -> list[t
         left = left - parts.pop(name)
         steps.append((name, float(np.sqrt(np.mean(np.square(left))))))
     return steps
-

@@ -66,7 +66,9 @@ class Emulator:
 class SimulatorScene:
     """What effects look at: the signals, the torque so far and the simulator's answer to another input."""
 
-    def __init__(self, signals: Signals, emulator: Emulator, torque: Floats | None = None, base: Floats | None = None) -> None:
+    def __init__(
+        self, signals: Signals, emulator: Emulator, torque: Floats | None = None, base: Floats | None = None
+    ) -> None:
         self.signals = signals
         self.emulator = emulator
         self.torque = signals.y_sim if torque is None else torque
@@ -86,8 +88,22 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
     own = Generalised(signals)
     groups = np.repeat(np.arange(len(signals.runs)), [run.stop - run.start for run in signals.runs])
     if model is not None:
-        return Emulator("the simulator itself", 0.0, lambda x: np.asarray(model.predict(x, groups)), lambda x: np.asarray(model.predict(x)), *own.tangent(), _described(model))
-    best = Emulator("generalised Prandtl-Ishlinskii", own.error, own.predict, own.anew, *own.tangent(), {"model": "generalised", "parameters": own.parameters()})
+        return Emulator(
+            "the simulator itself",
+            0.0,
+            lambda x: np.asarray(model.predict(x, groups)),
+            lambda x: np.asarray(model.predict(x)),
+            *own.tangent(),
+            _described(model),
+        )
+    best = Emulator(
+        "generalised Prandtl-Ishlinskii",
+        own.error,
+        own.predict,
+        own.anew,
+        *own.tangent(),
+        {"model": "generalised", "parameters": own.parameters()},
+    )
     for name in COMPETITORS if own.error > GOOD_ENOUGH else ():
         try:
             rival = models.get(name)().fit(signals.x, signals.y_sim, groups)
@@ -170,13 +186,16 @@ class Generalised:
         return structure, bulk
 
 
-def _parts(x: Floats, runs: Sequence[slice], reach: float, thresholds: Floats, lengths: Floats) -> tuple[Floats, Floats, Floats]:
+def _parts(
+    x: Floats, runs: Sequence[slice], reach: float, thresholds: Floats, lengths: Floats
+) -> tuple[Floats, Floats, Floats]:
     """Columns of the elastic curve, of the elements with memory, and of stops weighed by position."""
     played = np.concatenate([plays(x[run], thresholds) for run in runs])
     stops = x[:, None] - played
     signs = np.column_stack([np.concatenate([bristle(x[run], length) for run in runs]) * length for length in lengths])
-    u = x / reach
-    elastic = np.polynomial.legendre.legvander(np.clip(u, -1.3, 1.3), DEGREE)
+    # Polynomials are not to be trusted far beyond the recorded stroke: they end there.
+    u = np.clip(x / reach, -1.3, 1.3)
+    elastic = np.polynomial.legendre.legvander(u, DEGREE)
     some = stops[:, [ELEMENTS // 3, 2 * ELEMENTS // 3]]
     placed = np.hstack([u[:, None] * some, (u * u)[:, None] * some])
     return elastic, np.hstack([stops, signs]), placed
@@ -196,7 +215,9 @@ def _solve(free: Floats, bounded: Floats, target: Floats) -> Floats:
     columns = columns / scale
     # A ridge of a millionth keeps nearly equal columns from cancelling each other with huge weights.
     ridge = np.sqrt(1e-6 * columns.shape[0]) * np.eye(columns.shape[1])
-    triangle = np.linalg.qr(np.column_stack([np.vstack([columns, ridge]), np.concatenate([target, np.zeros(columns.shape[1])])]), mode="r")
+    triangle = np.linalg.qr(
+        np.column_stack([np.vstack([columns, ridge]), np.concatenate([target, np.zeros(columns.shape[1])])]), mode="r"
+    )
     k = free.shape[1]
     matrix, wanted = triangle[:-1, :-1], triangle[:-1, -1]
     # The free unknowns come first in the triangle: below their rows only the bounded ones are left.

@@ -102,7 +102,9 @@ class Hypothesis:
         for term in self.terms:
             width = len(term.form.coefficients)
             if term.effect.id == name:
-                named = dict(zip(term.form.coefficients, self.coefficients[start : start + width].tolist(), strict=True))
+                named = dict(
+                    zip(term.form.coefficients, self.coefficients[start : start + width].tolist(), strict=True)
+                )
                 named.update(zip(term.form.shapes, term.shape, strict=True))
                 return {key: float(value) for key, value in named.items() if not key.startswith("_")}
             start += width
@@ -213,7 +215,9 @@ class Evidence:
         freedom = self.complexity(scale) - PLAUSIBILITY[scale]
         return -0.5 * effective * np.log(misfit) - freedom - 0.5 * unknowns * np.log(max(effective, 3.0))
 
-    def reduced(self, gram: Floats, moment: Floats, energy: float, inside: Floats, scale: Scale) -> tuple[Floats, Floats, float]:
+    def reduced(
+        self, gram: Floats, moment: Floats, energy: float, inside: Floats, scale: Scale
+    ) -> tuple[Floats, Floats, float]:
         """Whitened Φ'V⁻¹Φ, Φ'V⁻¹r and r'V⁻¹r from the plain products and Φ's tangent components ``inside``."""
         absorbed, rotation = self.shrink(scale)
         turned, gap = rotation.T @ inside, rotation.T @ self._gap_in_basis
@@ -274,7 +278,7 @@ class Evidence:
         high = np.array([start.terms[i].form.limits[j][1] for i, j in slots])
         # Shapes are lengths, times and speeds: they are searched by ratio wherever their bounds have one sign.
         flipped = high <= 0.0
-        by_ratio = (low * high > 0.0)
+        by_ratio = low * high > 0.0
         first = np.array([start.terms[i].shape[j] for i, j in slots])
 
         def encode(values: Floats) -> Floats:

@@ -93,7 +93,10 @@ def candidate_motions(limits: Limits) -> Iterator[tuple[str, Floats, Floats]]:
         ("fast moves with holds", holds + home),
         ("two rates and amplitudes, then holds", rates + holds + home),
         ("four amplitudes at four rates", many + home),
-        ("four amplitudes at four rates with holds, and the first cycles again after a pause", first + many + holds + idle + first + home),
+        (
+            "four amplitudes at four rates with holds, and the first cycles again after a pause",
+            first + many + holds + idle + first + home,
+        ),
         ("all that twice, with long pauses", first + many + holds + idle * 2 + many + idle * 2 + first + home),
     ):
         yield (told, *motion(moves, middle, limits))
@@ -156,5 +159,9 @@ def _with(found: Diagnosis, name: str) -> Hypothesis | None:
     """The verdict's explanation if it has the effect, otherwise the best explanation by the effect instead."""
     if name in found.choice.hypothesis.names:
         return found.choice.hypothesis
-    swaps = [h for h in found.choice.candidates if name in h.names and len(h.names) == max(len(found.choice.hypothesis.names), 1)]
+    swaps = [
+        h
+        for h in found.choice.candidates
+        if name in h.names and len(h.names) == max(len(found.choice.hypothesis.names), 1)
+    ]
     return max(swaps, key=lambda h: h.score, default=None)

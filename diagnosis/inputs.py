@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +42,9 @@ def read_inputs(
     if len(simulators) == 1 and Path(simulators[0]).suffix.lower() == ".json":
         model = models.load(simulators[0])
         real = [read_recording(file, x=x, y=y, time=time) for file in recordings]
-        return signals_from(real, [np.asarray(model.predict(r.x)) for r in real], [str(file) for file in recordings]), model
+        return signals_from(
+            real, [np.asarray(model.predict(r.x)) for r in real], [str(file) for file in recordings]
+        ), model
     if len(simulators) != len(recordings):
         raise InputError(
             f"{len(recordings)} recordings but {len(simulators)} --sim files; give one table for each, in the same order, or one model file"
@@ -70,7 +73,13 @@ def _check_pair(file: str, real: Recording, simulated: str, sim: Recording) -> N
         )
     spread = float(np.std(sim.x)), float(np.std(real.x))
     if min(spread) > 0.0:
-        _check_units(simulated, file, "deflection", spread[0] / spread[1], {180.0 / np.pi: "deg", np.pi / 180.0: "rad", 1000.0: "mrad or mm"})
+        _check_units(
+            simulated,
+            file,
+            "deflection",
+            spread[0] / spread[1],
+            {180.0 / np.pi: "deg", np.pi / 180.0: "rad", 1000.0: "mrad or mm"},
+        )
 
 
 def _check_units(simulated: str, file: str, what: str, ratio: float, factors: dict[float, str]) -> None:
@@ -91,7 +100,9 @@ def signals_from(recordings: Sequence[Recording], outputs: Sequence[Floats], nam
     """
     for recording, output, name in zip(recordings, outputs, names, strict=True):
         if recording.x.size < MINIMUM_SAMPLES:
-            raise InputError(f"{name}: {recording.x.size} samples are too few to diagnose; record at least {MINIMUM_SAMPLES}")
+            raise InputError(
+                f"{name}: {recording.x.size} samples are too few to diagnose; record at least {MINIMUM_SAMPLES}"
+            )
         for label, values in (("deflection", recording.x), ("torque", recording.y), ("simulated torque", output)):
             bad = np.flatnonzero(~np.isfinite(values))
             if bad.size:
@@ -118,7 +129,7 @@ def signals_from(recordings: Sequence[Recording], outputs: Sequence[Floats], nam
         x=np.concatenate([r.x for r in recordings]),
         y_real=np.concatenate([r.y for r in recordings]),
         y_sim=np.concatenate(list(outputs)),
-        runs=[slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)],
+        runs=[slice(a, b) for a, b in pairwise(edges)],
         channels={
             name: np.concatenate([r.channels[name] for r in recordings])
             for name in recordings[0].channels

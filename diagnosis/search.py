@@ -93,7 +93,11 @@ class Library:
         own = {term.effect.id for term in base_terms}
         scores = np.full(len(self.terms), -np.inf)
         for numbers in self._alike.values():
-            chosen = [k for k in numbers if self.terms[k].effect.id not in taken and not own.intersection(self.terms[k].effect.contains)]
+            chosen = [
+                k
+                for k in numbers
+                if self.terms[k].effect.id not in taken and not own.intersection(self.terms[k].effect.contains)
+            ]
             if not chosen:
                 continue
             first = self.terms[chosen[0]]
@@ -104,7 +108,9 @@ class Library:
             best = np.full(len(chosen), -np.inf)
             for scale in scales:
                 gram, moment, energy = self.moments(scale)
-                _, reduction = boxed_least_squares(gram[index[:, :, None], index[:, None, :]], moment[index], lower, upper)
+                _, reduction = boxed_least_squares(
+                    gram[index[:, :, None], index[:, None, :]], moment[index], lower, upper
+                )
                 rss = np.maximum(energy - reduction, 1e-12 * self.evidence.gap_energy)
                 best = np.maximum(best, self.evidence.score(rss, scale, unknowns))
             scores[chosen] = best
@@ -166,8 +172,13 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
 def _successors(evidence: Evidence, fitted: Hypothesis) -> list[Hypothesis]:
     """The forms that start where the form of a single effect ended."""
     (term,) = fitted.terms
-    forms = [form for form in term.effect.forms(evidence.scene) if form.refines == term.form.name]
-    return [evidence.refine(evidence.fit([Term(term.effect, form, term.shape, term.laws)])) for form in forms]
+    made = []
+    for form in term.effect.forms(evidence.scene):
+        if form.refines == term.form.name:
+            shape = form.start(term.shape, fitted.coefficients) if form.start else term.shape
+            inside = tuple(float(np.clip(v, low, high)) for v, (low, high) in zip(shape, form.limits, strict=True))
+            made.append(evidence.refine(evidence.fit([Term(term.effect, form, inside, term.laws)])))
+    return made
 
 
 def _at_most(

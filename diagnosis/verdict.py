@@ -18,6 +18,8 @@ Floats = NDArray[np.float64]
 MISCALIBRATION, UNKNOWN = "miscalibration", "unknown"
 TEMPERATURE = 0.25
 """Share of the evidence that is trusted when alternatives are weighed: laws are never exact."""
+SAME_BY_EYE = 0.008
+"""Evidence a sample that a slightly different law could reverse: such alternatives are stated as ambiguous."""
 EFFECT_COST = 3.0
 """Logarithm of the prior odds against each further effect."""
 EFFECT_COST_REFITTED = 12.0
@@ -101,7 +103,7 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         # What the refit closes of the gap, on unseen samples, and beyond what fine structure would close.
         alone = float(np.mean(np.square(signals.gap - held.signal)))
         together = float(np.mean(np.square(signals.gap - held.signal - held.recalibration)))
-        needed = (alone - together) / energy > RECALIBRATION_SHARE
+        needed = alone - together > max(RECALIBRATION_SHARE * energy, 1.5 * floor**2)
         miscalibrated = needed or (is_refitted(best.scale) and refit_gain > RECALIBRATION_WORTH)
     else:
         # With no effect at all, what the refit takes is the gap.
@@ -120,6 +122,8 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     for hypothesis, weight, score in zip(ranked, weights / weights.sum(), scores, strict=True):
         posterior[hypothesis.names] = posterior.get(hypothesis.names, 0.0) + float(weight)
         against = float(np.exp(np.clip(tempered * (score - own), -700.0, 50.0)))
+        if own - score < SAME_BY_EYE * evidence.size:
+            against = max(against, 0.1)
         odds[hypothesis.names] = max(odds.get(hypothesis.names, 0.0), against)
     others = [s for h, s in zip(ranked, scores, strict=True) if not h.names >= best.names and not h.names <= best.names]
     features = {
@@ -131,7 +135,9 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         "effects": float(len(best.terms)),
         "signal": float(np.std(best.signal) / floor),
         "recalibrated": float(refit_gain),
-        "closed": 1.0 - (float(np.mean(np.square(after if miscalibrated else signals.gap - held.signal))) - floor**2) / energy,
+        "refitted": float(is_refitted(best.scale)),
+        "closed": 1.0
+        - (float(np.mean(np.square(after if miscalibrated else signals.gap - held.signal))) - floor**2) / energy,
         "closed_alone": 1.0 - (float(np.mean(np.square(signals.gap - held.signal))) - floor**2) / energy,
         "in_sample_left": float(np.sqrt(max(structured_power(misfit_refit, signals.runs), 0.0)) / floor),
     }
@@ -162,7 +168,9 @@ def effective_share(residual: Floats, runs: Sequence[slice], longest: int = 200)
     return 1.0 / (1.0 + 2.0 * float(correlation[: ends[0] if ends.size else longest - 1].sum()))
 
 
-def _recalibration_rivals(verdict: Sequence[str], best: Hypothesis, own: float, found: Sequence[Hypothesis], tempered: float) -> list[str]:
+def _recalibration_rivals(
+    verdict: Sequence[str], best: Hypothesis, own: float, found: Sequence[Hypothesis], tempered: float
+) -> list[str]:
     """Effects that a miscalibrated simulator would imitate, or be imitated by, on this recording."""
     blank = next(h for h in found if not h.terms)
     least = np.log(0.05) / tempered
@@ -185,10 +193,17 @@ def _nothing(best: Hypothesis, miscalibrated: bool, features: dict[str, float], 
 
 def _inadequate(features: dict[str, float]) -> bool:
     """Whether the best explanation leaves structure that neither noise nor an inexact law accounts for."""
-    if features["signal"] > 1.5 * features["gap"] and features["closed_alone"] < 0.0:
+    if (
+        features["refitted"]
+        and features["gap"] > 3.0
+        and features["signal"] > 1.5 * features["gap"]
+        and features["closed_alone"] < 0.0
+    ):
         # Effects that widen the gap until the simulator is bent to meet them explain nothing.
         return True
-    return features["in_sample_left"] > 0.45 + 0.04 * features["gap"] or (features["closed"] < 0.5 and features["gap"] > 1.2)
+    return features["in_sample_left"] > 0.45 + 0.04 * features["gap"] or (
+        features["closed"] < 0.5 and features["gap"] > 1.2
+    )
 
 
 def _left_over(evidence: Evidence, hypothesis: Hypothesis) -> Floats:
@@ -222,7 +237,9 @@ def _simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) -
             if len(best.names) > 1:
                 size = float(np.mean(np.square(best.part(name)))) / energy
                 smaller, loss = beside_same_simulator(best.names - {name})
-                if smaller is not None and (loss * energy < INDIFFERENT * evidence.sigma**2 or (loss < WORTH and size < 3.0 * WORTH)):
+                if smaller is not None and (
+                    loss * energy < INDIFFERENT * evidence.sigma**2 or (loss < WORTH and size < 3.0 * WORTH)
+                ):
                     options.append((loss, smaller))
             for special in next(term.effect for term in best.terms if term.effect.id == name).contains:
                 other, loss = beside_same_simulator((best.names - {name}) | {special})

@@ -18,7 +18,10 @@ from ..diagnosis.attribution import profile
 from ..diagnosis.delivery import sentence
 from ..diagnosis.diagnosis import Diagnosis
 from ..files import write_text
-from .figures import COLOURS, INK, MEASURED, STYLE, _extremes, _figure, _svg
+from .svg import COLOURS, INK, MEASURED, STYLE
+from .svg import canvas as _figure
+from .svg import extremes as _extremes
+from .svg import svg as _svg
 
 __all__ = ["write_blind", "write_diagnosis"]
 
@@ -108,7 +111,11 @@ def write_blind(scores: dict[str, Any], rows: Sequence[dict[str, Any]], out: Pat
 
 def _environment() -> Environment:
     return Environment(
-        loader=PackageLoader("hystbench.reports"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        loader=PackageLoader("hystbench.reports"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
 
 

@@ -28,7 +28,9 @@ def bank(plants: Sequence[str], seeds: int, first_seed: int, every: int = 1) -> 
     cases: list[Case] = []
     effects = list(EFFECTS)
 
-    def add(names: tuple[str, ...], ratio: float, error: float = 0.0, excluded: tuple[str, ...] = ()) -> None:
+    def add(
+        plant: str, names: tuple[str, ...], ratio: float, error: float = 0.0, excluded: tuple[str, ...] = ()
+    ) -> None:
         seed = first_seed + len(cases)
         motion = ("rich", "sweeps")[len(cases) % 2]
         cases.append(Case(plant, names, ratio, error, motion, seed, excluded))
@@ -38,16 +40,16 @@ def bank(plants: Sequence[str], seeds: int, first_seed: int, every: int = 1) -> 
             rng = np.random.default_rng([first_seed, repeat, len(cases)])
             for name in effects:
                 for ratio in RATIOS:
-                    add((name,), ratio)
-                add((name,), float(rng.choice(RATIOS[1:])), BASE_ERROR)
-                add((name,), 8.0, excluded=(name,))
+                    add(plant, (name,), ratio)
+                add(plant, (name,), float(rng.choice(RATIOS[1:])), BASE_ERROR)
+                add(plant, (name,), 8.0, excluded=(name,))
                 other = str(rng.choice([e for e in effects if e != name]))
-                add((name, other), float(rng.choice([4.0, 8.0])))
+                add(plant, (name, other), float(rng.choice([4.0, 8.0])))
             for name in OUTSIDE:
                 for ratio in RATIOS:
-                    add((name,), ratio)
+                    add(plant, (name,), ratio)
             for k in range(10):
-                add((), 0.0, BASE_ERROR if k % 2 else 0.0)
+                add(plant, (), 0.0, BASE_ERROR if k % 2 else 0.0)
     return cases[:: max(every, 1)]
 
 

@@ -76,7 +76,9 @@ def seal(cases: Sequence[Case], out: Path, workers: int) -> list[dict[str, Any]]
     out.mkdir(parents=True, exist_ok=True)
     order = np.random.default_rng(FIRST_SEED).permutation(len(cases))
     names = [f"{k:04d}" for k in range(len(cases))]
-    made = Parallel(n_jobs=workers)(delayed(_write_case)(cases[k], out, name) for k, name in zip(order, names, strict=True))
+    made = Parallel(n_jobs=workers)(
+        delayed(_write_case)(cases[k], out, name) for k, name in zip(order, names, strict=True)
+    )
     labels = {label["id"]: label for label, _ in made}
     text = json.dumps(labels, indent=1, sort_keys=True) + "\n"
     write_text(out / "labels.json", text)
@@ -152,7 +154,11 @@ def lines(scores: dict[str, Any]) -> list[str]:
     made.append(f"false alarms without an effect: {scores['false_alarms']['right']} of {scores['false_alarms']['of']}")
     made.append(f"leading coordinate right: {scores['coordinate']['right']} of {scores['coordinate']['of']}")
     if closed["median_distance"] is not None:
-        made.append(f"closed against the oracle: {closed['median_distance']:.3f} in the median, {100 * closed['within_0.03']:.0f} % within 0.03")
-    made.append(f"expected calibration error {calibration['expected_calibration_error']:.3f}, Brier score {calibration['brier']:.3f}")
+        made.append(
+            f"closed against the oracle: {closed['median_distance']:.3f} in the median, {100 * closed['within_0.03']:.0f} % within 0.03"
+        )
+    made.append(
+        f"expected calibration error {calibration['expected_calibration_error']:.3f}, Brier score {calibration['brier']:.3f}"
+    )
     made.append(f"{scores['seconds']['mean']:.1f} s a diagnosis; {scores['run']['elapsed_s']:.0f} s in all")
     return made

@@ -92,7 +92,9 @@ class Made:
 # ---- base plants ----------------------------------------------------------------------------------------------------
 
 
-def _distribution(rng: np.random.Generator, elements: int, force: float, reach: float, spread: float) -> tuple[Floats, Floats]:
+def _distribution(
+    rng: np.random.Generator, elements: int, force: float, reach: float, spread: float
+) -> tuple[Floats, Floats]:
     """Stiffness and sliding force of parallel elements whose yield deflections are spread evenly in logarithm."""
     yields = np.geomspace(0.01 * reach, spread * reach, elements)
     share = np.exp(-0.5 * (np.log(yields / (0.12 * reach)) / 1.1) ** 2)
@@ -217,7 +219,13 @@ def _sweeps(rng: np.random.Generator, reach: float, seconds: float, rate: float)
     time = np.arange(int(seconds * rate)) / rate
     u = time / seconds
     chirp = np.sin(2.0 * np.pi * (0.15 * time + 0.5 * (rng.uniform(1.0, 2.0) - 0.15) / seconds * time**2))
-    sum_of = sum(np.sin(2.0 * np.pi * f * time + p) for f, p in zip(rng.uniform(0.1, 1.3, 4), rng.uniform(0.0, 6.28, 4), strict=True)) / 2.2
+    sum_of = (
+        sum(
+            np.sin(2.0 * np.pi * f * time + p)
+            for f, p in zip(rng.uniform(0.1, 1.3, 4), rng.uniform(0.0, 6.28, 4), strict=True)
+        )
+        / 2.2
+    )
     envelope = 0.35 + 0.65 * np.sin(np.pi * rng.uniform(2.0, 3.5) * u + 0.3) ** 2
     blend = 0.5 - 0.5 * np.cos(np.pi * np.clip((u - 0.46) / 0.08, 0.0, 1.0))
     start = 0.5 - 0.5 * np.cos(np.pi * np.clip(time / 0.8, 0.0, 1.0))
@@ -374,7 +382,9 @@ def _deflection(j: _Joint, a: float, rng: np.random.Generator) -> None:
 def _asymmetry(j: _Joint, a: float, rng: np.random.Generator) -> None:
     side = rng.choice([-1.0, 1.0])
     soft = 0.03 * j.base.reach
-    j.torque = j.torque + side * a * 0.2 * j.scale / j.base.reach * soft * (np.logaddexp(0.0, side * j.x / soft) - np.log(2.0))
+    j.torque = j.torque + side * a * 0.2 * j.scale / j.base.reach * soft * (
+        np.logaddexp(0.0, side * j.x / soft) - np.log(2.0)
+    )
 
 
 def _saturation(j: _Joint, a: float, rng: np.random.Generator) -> None:
@@ -406,7 +416,9 @@ EFFECTS: dict[str, Callable[[_Joint, float, np.random.Generator], None]] = {
 
 
 def _hum(j: _Joint, a: float, rng: np.random.Generator) -> None:
-    j.torque = j.torque + a * 0.1 * j.scale * np.sin(2.0 * np.pi * rng.uniform(2.0, 6.0) * j.time + rng.uniform(0.0, 6.28))
+    j.torque = j.torque + a * 0.1 * j.scale * np.sin(
+        2.0 * np.pi * rng.uniform(2.0, 6.0) * j.time + rng.uniform(0.0, 6.28)
+    )
 
 
 def _wandering(j: _Joint, a: float, rng: np.random.Generator) -> None:
@@ -456,7 +468,9 @@ def make(case: Case, seconds: float = 45.0, rate: float = 100.0) -> Made:
     def joint(sizes: dict[str, float]) -> tuple[Floats, Floats]:
         state = _Joint(time, x, base, x, base.real(x), x.copy())
         # Load and base first, sensors last.
-        for name in sorted(sizes, key=lambda n: n in ("torque_gain", "torque_offset", "sensor_delay", "torque_saturation")):
+        for name in sorted(
+            sizes, key=lambda n: n in ("torque_gain", "torque_offset", "sensor_delay", "torque_saturation")
+        ):
             all_effects[name](state, sizes[name], np.random.default_rng(seeds[name]))
         return state.measured, state.torque
 

@@ -94,7 +94,13 @@ def score(records: Sequence[Mapping[str, Any]], labels: Mapping[str, Mapping[str
     def frequency(pairs: Sequence[tuple[Any, Any]], judge: Callable[[Any, Any], bool]) -> dict[str, Any]:
         hits = sum(judge(r, label) for r, label in pairs)
         low, high = wilson(hits, len(pairs))
-        return {"right": hits, "of": len(pairs), "share": hits / len(pairs) if pairs else None, "low": low, "high": high}
+        return {
+            "right": hits,
+            "of": len(pairs),
+            "share": hits / len(pairs) if pairs else None,
+            "low": low,
+            "high": high,
+        }
 
     groups = {
         name: {
@@ -111,7 +117,9 @@ def score(records: Sequence[Mapping[str, Any]], labels: Mapping[str, Mapping[str
     for record, label in single:
         confusion[label["effects"][0]][" + ".join(sorted(record["verdict"])) or "no gap"] += 1
     for name in sorted(confusion):
-        effects[name] = frequency([p for p in single if p[1]["effects"] == [name]], lambda r, label: is_right(r["verdict"], label))
+        effects[name] = frequency(
+            [p for p in single if p[1]["effects"] == [name]], lambda r, label: is_right(r["verdict"], label)
+        )
     correct = [(r, label) for r, label in single if is_right(r["verdict"], label)]
     distance = [r["closed"] - label["oracle_closed"] for r, label in correct]
     right = [is_right(r["verdict"], labels[r["id"]]) for r in records]
@@ -133,7 +141,10 @@ def score(records: Sequence[Mapping[str, Any]], labels: Mapping[str, Mapping[str
             "brier": float(np.mean((np.asarray(stated) - np.asarray(right, dtype=float)) ** 2)) if stated else None,
             "bins": _bins(stated, right),
         },
-        "seconds": {"mean": float(np.mean([r["seconds"] for r in records])), "most": float(max(r["seconds"] for r in records))},
+        "seconds": {
+            "mean": float(np.mean([r["seconds"] for r in records])),
+            "most": float(max(r["seconds"] for r in records)),
+        },
         "all": {"right": int(sum(right)), "of": len(right)},
     }
 

@@ -28,7 +28,9 @@ class Backlash(Effect):
 
     id: ClassVar[str] = "backlash"
     title: ClassVar[str] = "backlash"
-    summary: ClassVar[str] = "clearance that must be crossed after a turn, or around zero torque, before torque builds up"
+    summary: ClassVar[str] = (
+        "clearance that must be crossed after a turn, or around zero torque, before torque builds up"
+    )
     equation: ClassVar[str] = "x → play(x; b/2), or x → x − clip(x, ±b/2)"
     coordinate: ClassVar[str] = "distance_since_reversal"
     acts_on: ClassVar[str] = INPUT

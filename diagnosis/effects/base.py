@@ -16,7 +16,19 @@ from numpy.typing import NDArray
 
 from ..signals import Signals
 
-__all__ = ["INPUT", "PRESLIDING", "SENSOR", "TORQUE", "DirectionLaw", "Effect", "Form", "Parameter", "Scene", "direction_laws", "geometric"]
+__all__ = [
+    "INPUT",
+    "PRESLIDING",
+    "SENSOR",
+    "TORQUE",
+    "DirectionLaw",
+    "Effect",
+    "Form",
+    "Parameter",
+    "Scene",
+    "direction_laws",
+    "geometric",
+]
 
 Floats = NDArray[np.float64]
 INPUT, TORQUE, SENSOR = "input", "torque", "sensor"
@@ -65,7 +77,9 @@ class Form:
     columns : callable
         ``columns(scene, shape) -> (n, k)``.
     refines : str
-        Name of a simpler form with the same shapes from whose fit this one starts, in place of a grid of its own.
+        Name of a simpler form from whose fit this one starts, in place of a grid of its own.
+    start : callable, optional
+        ``start(shape, coefficients)`` of that fit gives this form's first shape; by default it is the same.
     """
 
     name: str
@@ -77,6 +91,7 @@ class Form:
     grid: Sequence[tuple[float, ...]] = ((),)
     limits: Sequence[tuple[float, float]] = ()
     refines: str = ""
+    start: Callable[[tuple[float, ...], Floats], tuple[float, ...]] | None = None
 
 
 class Effect:

@@ -17,17 +17,24 @@ def _columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return (-worn * scene.torque)[:, None]
 
 
+def _hyperbolic(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    travel = scene.signals.travel
+    return (-travel / (shape[0] + travel) * scene.torque)[:, None]
+
+
 class CyclicSoftening(Effect):
     """The Mullins effect of rubber, wear or damage: each cycle takes a little of the torque."""
 
     id: ClassVar[str] = "cyclic_softening"
     title: ClassVar[str] = "cyclic softening"
     summary: ClassVar[str] = "torque that falls with accumulated travel (Mullins effect, wear, damage)"
-    equation: ClassVar[str] = "y −= a w y_sim,  w = 1 − exp(−travel/L) or travel"
+    equation: ClassVar[str] = "y −= a w y_sim,  w = 1 − exp(−travel/L), travel/(L + travel) or travel"
     coordinate: ClassVar[str] = "travel"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("softening", "1 (1/rad where linear)", 0.0, 1.0, "relative loss in the limit, or per travel"),
-        Parameter("travel_constant", "rad", 0.0, np.inf, "travel after which 63 % of the loss has come"),
+        Parameter(
+            "travel_constant", "rad", 0.0, np.inf, "travel after which 63 % (hyperbolic: half) of the loss has come"
+        ),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("thermal_drift", "torque_gain")
 
@@ -37,5 +44,7 @@ class CyclicSoftening(Effect):
         return [
             Form("linear", ("softening",), _columns, (0.0,), (1.0 / max(total, 1e-300),)),
             Form("exponential", ("softening",), _columns, (0.0,), (1.0,), ("travel_constant",), lengths,
+                 [(0.005 * total, 3.0 * total)]),
+            Form("hyperbolic", ("softening",), _hyperbolic, (0.0,), (1.0,), ("travel_constant",), lengths,
                  [(0.005 * total, 3.0 * total)]),
         ]  # fmt: skip

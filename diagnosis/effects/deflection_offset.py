@@ -31,5 +31,7 @@ class DeflectionOffset(Effect):
         for sign, told in ((1.0, "positive"), (-1.0, "negative")):
             grid = [(sign * f * reach,) for f in (0.0015, 0.004, 0.01, 0.025, 0.06, 0.15)]
             near, far = sign * 3e-4 * reach, sign * 0.3 * reach
-            made.append(Form(told, ("_unit",), _columns, (1.0,), (1.0,), ("offset",), grid, [(min(near, far), max(near, far))]))
+            made.append(
+                Form(told, ("_unit",), _columns, (1.0,), (1.0,), ("offset",), grid, [(min(near, far), max(near, far))])
+            )
         return made

@@ -25,13 +25,29 @@ def _columns(harmonics: int) -> Callable[[Scene, tuple[float, ...]], Floats]:
     return columns
 
 
+def _of_true_angle(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    periods, sine, cosine = shape
+    x = scene.signals.x
+    true = x
+    # z = x + p sin(N z) + q cos(N z) is a contraction as long as the error is small against a period.
+    for _ in range(6):
+        true = x + sine * np.sin(periods * true) + cosine * np.cos(periods * true)
+    return scene.torque_change(true)[:, None]
+
+
+def _from_sine(shape: tuple[float, ...], coefficients: Floats) -> tuple[float, ...]:
+    return (*shape, float(coefficients[0]), float(coefficients[1]))
+
+
 class EncoderEccentricity(Effect):
     """Eccentric disc, magnet or gear: the measured deflection is wrong periodically."""
 
     id: ClassVar[str] = "encoder_eccentricity"
     title: ClassVar[str] = "encoder eccentricity"
     summary: ClassVar[str] = "periodic error of the deflection (eccentric disc, magnet or gear)"
-    equation: ClassVar[str] = "x → x + p sin(N x) + q cos(N x) (+ p2 sin(2 N x) + q2 cos(2 N x))"
+    equation: ClassVar[str] = (
+        "x → z, z = x + p sin(N z) + q cos(N z); or x + p sin(N x) + q cos(N x) + p2 sin(2 N x) + q2 cos(2 N x)"
+    )
     coordinate: ClassVar[str] = "position"
     acts_on: ClassVar[str] = INPUT
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -53,5 +69,19 @@ class EncoderEccentricity(Effect):
         return [
             Form("sine", names[:2], _columns(1), (-wide,) * 2, (wide,) * 2, ("periods",), grid, [(low, high)]),
             # The error is a function of the true angle: as one of the measured angle it has harmonics.
-            Form("two harmonics", names, _columns(2), (-wide,) * 4, (wide,) * 4, ("periods",), (), [(low, high)], "sine"),
+            Form(
+                "sine of the true angle",
+                ("_unit",),
+                _of_true_angle,
+                (1.0,),
+                (1.0,),
+                ("periods", "error_sin", "error_cos"),
+                (),
+                [(low, high), (-wide, wide), (-wide, wide)],
+                "sine",
+                _from_sine,
+            ),
+            Form(
+                "two harmonics", names, _columns(2), (-wide,) * 4, (wide,) * 4, ("periods",), (), [(low, high)], "sine"
+            ),
         ]

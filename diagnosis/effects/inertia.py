@@ -23,9 +23,7 @@ class Inertia(Effect):
     summary: ClassVar[str] = "torque in proportion to acceleration (unmodelled moving mass, reflected rotor)"
     equation: ClassVar[str] = "y += J d²x/dt²"
     coordinate: ClassVar[str] = "acceleration"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("inertia", "kg·m²", 0.0, np.inf, "moment of inertia"),
-    )
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("inertia", "kg·m²", 0.0, np.inf, "moment of inertia"),)
     confused_with: ClassVar[tuple[str, ...]] = ("torque_gain", "miscalibration", "stress_relaxation")
 
     def forms(self, scene: Scene) -> list[Form]:

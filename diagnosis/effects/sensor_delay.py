@@ -38,6 +38,8 @@ class SensorDelay(Effect):
         high = 25.0 * step
         return [
             Form("late", ("_unit",), _delay, (1.0,), (1.0,), ("delay",), [(t,) for t in grid], [(0.02 * step, high)]),
-            Form("early", ("_unit",), _delay, (1.0,), (1.0,), ("delay",), [(-t,) for t in grid], [(-high, -0.02 * step)]),
+            Form(
+                "early", ("_unit",), _delay, (1.0,), (1.0,), ("delay",), [(-t,) for t in grid], [(-high, -0.02 * step)]
+            ),
             Form("filter", ("_unit",), _lag, (1.0,), (1.0,), ("lag",), [(t,) for t in grid], [(0.02 * step, high)]),
         ]

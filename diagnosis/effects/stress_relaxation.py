@@ -35,7 +35,9 @@ class StressRelaxation(Effect):
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("stiffness", "N·m/rad", 0.0, np.inf, "of the (first) Maxwell branch"),
         Parameter("stiffness_2", "N·m/rad", 0.0, np.inf, "of the second branch"),
-        Parameter("stiffness_3", "N·m/rad", 0.0, np.inf, "of the third branch; a spectrum has time constants 1 : 4 : 16"),
+        Parameter(
+            "stiffness_3", "N·m/rad", 0.0, np.inf, "of the third branch; a spectrum has time constants 1 : 4 : 16"
+        ),
         Parameter("share", "1", 0.0, np.inf, "part of the simulator's torque that relaxes"),
         Parameter("time_constant", "s", 0.0, np.inf, "of the (first) branch"),
         Parameter("time_constant_2", "s", 0.0, np.inf, "of the second branch"),

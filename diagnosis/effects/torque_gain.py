@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-import numpy as np
-
 from .base import SENSOR, Effect, Floats, Form, Parameter, Scene
 
 __all__ = ["TorqueGain"]

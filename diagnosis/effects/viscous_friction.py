@@ -34,5 +34,14 @@ class ViscousFriction(Effect):
     def forms(self, scene: Scene) -> list[Form]:
         return [
             Form("linear", ("damping",), _columns, (0.0,), (np.inf,)),
-            Form("power law", ("damping",), _columns, (0.0,), (np.inf,), ("power",), [(0.6,), (0.75,), (1.3,), (1.7,)], [(0.5, 2.0)]),
+            Form(
+                "power law",
+                ("damping",),
+                _columns,
+                (0.0,),
+                (np.inf,),
+                ("power",),
+                [(0.6,), (0.75,), (1.3,), (1.7,)],
+                [(0.5, 2.0)],
+            ),
         ]

@@ -1,0 +1,175 @@
+"""The diagnosis' parts against independent references: fits, folds, shares, motions, scores, seals."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import lsq_linear
+
+from hystbench.diagnosis.attribution import locate
+from hystbench.diagnosis.blind.cases import DEVELOPMENT_PLANTS, TEST_PLANTS, bank
+from hystbench.diagnosis.blind.check import diagnose_blind, seal, unseal
+from hystbench.diagnosis.blind.plants import EFFECTS, Case, make
+from hystbench.diagnosis.blind.scoring import expected_calibration_error, is_right, wilson
+from hystbench.diagnosis.evidence import boxed_least_squares
+from hystbench.diagnosis.excitation import Limits, candidate_motions
+from hystbench.diagnosis.heldout import _folds, closed_share, structured_power
+from hystbench.diagnosis.operators import bristle, lowpass, plays
+from hystbench.diagnosis.signals import Signals
+from hystbench.errors import InputError
+
+
+@settings(max_examples=40, deadline=None)
+@given(seed=st.integers(0, 10_000), k=st.integers(1, 2))
+def test_boxed_least_squares_is_the_bounded_minimum(seed: int, k: int) -> None:
+    rng = np.random.default_rng(seed)
+    columns, target = rng.standard_normal((30, k)), rng.standard_normal(30)
+    lower, upper = np.full(k, -0.1), np.full(k, 0.15)
+    beta, reduction = boxed_least_squares((columns.T @ columns)[None], (columns.T @ target)[None], lower, upper)
+    reference = lsq_linear(columns, target, (lower, upper), tol=1e-12)
+    assert np.all(beta[0] >= lower - 1e-9)
+    assert np.all(beta[0] <= upper + 1e-9)
+    rss = target @ target - reduction[0]
+    assert rss == pytest.approx(np.sum((target - columns @ beta[0]) ** 2), rel=1e-6)
+    assert rss <= 2.0 * reference.cost * (1.0 + 2e-3)
+
+
+def test_equal_bounds_fix_a_coefficient() -> None:
+    beta, _ = boxed_least_squares(
+        np.eye(2)[None], np.array([[3.0, 3.0]]), np.array([1.0, -np.inf]), np.array([1.0, np.inf])
+    )
+    assert beta[0] == pytest.approx([1.0, 3.0])
+
+
+def test_operators_match_their_definitions() -> None:
+    x = np.cumsum(np.random.default_rng(2).standard_normal(200)) * 0.1
+    at = 0.0
+    for value, played in zip(x, plays(x, np.array([0.3]))[:, 0], strict=True):
+        at = min(max(at, value - 0.3), value + 0.3)
+        assert played == at
+    ramp = np.linspace(0.0, 1.0, 2001)
+    assert bristle(ramp, 0.1)[-1] == pytest.approx(1.0 - np.exp(-10.0), rel=1e-6)
+    time = np.linspace(0.0, 2.0, 401)
+    # A lag of τ follows a ramp τ behind, once the start has died away.
+    assert lowpass(time, time, 0.1)[-1] == pytest.approx(2.0 - 0.1, abs=1e-6)
+
+
+def test_folds_hold_out_every_sample_once_and_keep_their_distance() -> None:
+    class Scene:
+        torque = np.zeros(5000)
+
+    class Fake:
+        scene = Scene()
+
+    counted = np.zeros(5000, dtype=int)
+    for seen, out in _folds(Fake(), 12):  # type: ignore[arg-type]
+        assert not np.any(seen & out)
+        counted += out
+        near = np.flatnonzero(out)
+        for k in (near.min(), near.max()):
+            assert not seen[max(k - 5, 0) : k + 6].any()
+    assert np.all(counted == 1)
+
+
+def test_structured_power_ignores_white_noise_and_measures_the_rest() -> None:
+    rng = np.random.default_rng(3)
+    noise = rng.standard_normal(40_000)
+    wave = 2.0 * np.sin(np.arange(40_000) * 0.01)
+    assert abs(structured_power(noise, [slice(0, noise.size)])) < 0.02
+    assert structured_power(wave + noise, [slice(0, noise.size)]) == pytest.approx(2.0, rel=0.05)
+
+
+def test_closed_share_counts_beyond_the_noise_and_brackets_itself() -> None:
+    rng = np.random.default_rng(4)
+    gap = np.sin(np.arange(20_000) * 0.01) + 0.1 * rng.standard_normal(20_000)
+    half = gap - 0.5 * np.sin(np.arange(20_000) * 0.01)
+    rmse, closed, (low, high) = closed_share(gap, half, 0.1, 0)
+    assert closed == pytest.approx(0.75, abs=0.01)
+    assert low <= closed <= high
+    assert rmse == pytest.approx(np.sqrt(0.125 + 0.01), rel=0.02)
+
+
+def test_where_gives_a_drift_to_time_and_a_spring_to_position() -> None:
+    time = np.arange(4000) * 0.01
+    x = np.sin(time) + 0.4 * np.sin(2.7 * time)
+    noise = 0.01 * np.random.default_rng(5).standard_normal(time.size)
+    for added, coordinate in ((0.2 * np.sin(3.0 * x), "position"), (0.01 * time, "time")):
+        signals = Signals(time, x, 4.0 * x + added + noise, 4.0 * x, [slice(0, time.size)], {})
+        places = locate(signals, {}, 0.01, 0)
+        shares = {place.coordinate: place.share for place in places}
+        assert sum(shares.values()) == pytest.approx(1.0, abs=0.05)
+        wanted = {"time", "travel"} if coordinate == "time" else {"position", "load"}
+        assert places[0].coordinate in wanted
+        assert sum(shares.get(name, 0.0) for name in wanted) > 0.6
+        for place in places:
+            assert place.interval[0] <= place.share <= place.interval[1]
+
+
+@settings(max_examples=15, deadline=None)
+@given(
+    low=st.floats(-1.5, -0.2), high=st.floats(0.2, 1.5), speed=st.floats(0.3, 5.0), acceleration=st.floats(1.0, 40.0)
+)
+def test_designed_motions_keep_the_recorded_limits(low: float, high: float, speed: float, acceleration: float) -> None:
+    limits = Limits(low, high, speed, acceleration, 0.01)
+    for _, time, x in candidate_motions(limits):
+        assert np.all(np.diff(time) > 0.0)
+        assert x.min() >= low - 1e-9
+        assert x.max() <= high + 1e-9
+        assert np.max(np.abs(np.diff(x))) / 0.01 <= speed * 1.001
+        assert np.max(np.abs(np.diff(x, 2))) / 0.01**2 <= acceleration * 1.05
+
+
+# ---- the blind check -----------------------------------------------------------------------------------------------
+
+
+def test_banks_of_tuning_and_of_reporting_share_no_plant() -> None:
+    assert not set(DEVELOPMENT_PLANTS) & set(TEST_PLANTS)
+    cases = bank(TEST_PLANTS, 1, 500)
+    assert {name for case in cases for name in case.effects} >= set(EFFECTS)
+    assert {case.ratio for case in cases} >= {2.0, 4.0, 8.0, 16.0}
+    assert len({case.seed for case in cases}) == len(cases)
+
+
+@pytest.mark.parametrize("name", sorted(EFFECTS))
+def test_a_plant_effect_has_the_size_that_was_asked_for(name: str) -> None:
+    made = make(Case("asymmetric", (name,), 4.0, 0.0, "rich", 77), seconds=15.0)
+    size = float(np.sqrt(np.mean(np.square(made.contributions[name]))))
+    assert size / made.noise == pytest.approx(4.0, rel=0.05)
+
+
+def test_a_seal_shows_tampering_and_the_recording_alone_is_diagnosed(tmp_path: Path) -> None:
+    tasks = seal([Case("asymmetric", ("torque_offset",), 8.0, 0.0, "rich", 5)], tmp_path, 1)
+    assert set(tasks[0]) == {"id", "real", "sim", "exclude"}
+    assert unseal(tmp_path)[tasks[0]["id"]]["truth"] == ["torque_offset"]
+    assert diagnose_blind(tmp_path, tasks[0])["verdict"] == ["torque_offset"]
+    text = (tmp_path / "labels.json").read_text(encoding="utf-8")
+    (tmp_path / "labels.json").write_text(text.replace("torque_offset", "torque_gain"), encoding="utf-8")
+    with pytest.raises(InputError, match="seal"):
+        unseal(tmp_path)
+    assert json.loads((tmp_path / "tasks.json").read_text(encoding="utf-8")) == tasks
+
+
+def test_right_means_nothing_more_and_nothing_less() -> None:
+    label = {"truth": ["backlash"], "base_error": 0.0}
+    assert is_right(["backlash"], label)
+    assert not is_right(["backlash", "inertia"], label)
+    assert not is_right([], label)
+    assert not is_right(["backlash", "miscalibration"], label)
+    assert is_right(["backlash", "miscalibration"], {**label, "base_error": 0.04})
+
+
+def test_calibration_error_and_interval_against_known_values() -> None:
+    assert expected_calibration_error([0.8] * 10, [True] * 8 + [False] * 2) == pytest.approx(
+        0.2 * 0.0 + _spread(8, 10), abs=1e-12
+    )
+    assert wilson(8, 10) == pytest.approx((0.4901, 0.9433), abs=1e-3)
+
+
+def _spread(hits: int, count: int) -> float:
+    """ECE in bins of one sample each, by hand."""
+    return (hits * 0.2 + (count - hits) * 0.8) / count
