@@ -27,13 +27,20 @@ def data() -> None:
 
 @data.command(name="list")
 @click.option("--json", "as_json", is_flag=True, help="Machine-readable.")
-def list_(as_json: bool) -> None:
+@click.option("--datapackage", "as_package", is_flag=True, help="The catalogue as a Frictionless data package.")
+def list_(as_json: bool, as_package: bool) -> None:
     """List the recorded datasets, their licences, sizes and whether they are on this machine.
 
     \b
-    Example:
+    Examples:
       hystbench data list
+      hystbench data list --datapackage > datapackage.json
     """
+    if as_package:
+        from ..datasets.datapackage import catalogue_package
+
+        click.echo(json.dumps(catalogue_package(), indent=1, ensure_ascii=False))
+        return
     from ..datasets.catalogue import catalogue
     from ..datasets.store import data_folder, state
 

@@ -1,4 +1,4 @@
-"""Datasets as Frictionless data packages: CSV files and a ``datapackage.json`` that describes them.
+"""Frictionless data packages: of a dataset, as CSV files and a ``datapackage.json``, and of the catalogue of recorded data.
 
 Source: https://datapackage.org/standard/data-package/ (version 2).
 """
@@ -11,14 +11,21 @@ import os
 import re
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 from ..errors import InputError
 from ..files import write_text
 from .base import Dataset, Recording
-from .catalogue import catalogue
+from .catalogue import CatalogueEntry, CatalogueFile, catalogue
 from .recording_files import DEFAULT_TIME, DEFAULT_X, DEFAULT_Y, write_recording
 
-__all__ = ["write_datapackage"]
+__all__ = ["catalogue_package", "write_datapackage"]
+
+PROFILE = "https://datapackage.org/profiles/2.0/datapackage.json"
+PUBLISHED = "https://raw.githubusercontent.com"
+MEDIA_TYPES = {
+    "csv": "text/csv", "json": "application/json", "npy": "application/octet-stream", "svg": "image/svg+xml", "txt": "text/plain",
+}  # fmt: skip
 
 
 def write_datapackage(dataset: Dataset, folder: str | os.PathLike[str]) -> Path:
@@ -41,7 +48,7 @@ def write_datapackage(dataset: Dataset, folder: str | os.PathLike[str]) -> Path:
     recorded = catalogue().get(dataset.id)
     source = {"title": dataset.source}
     package = {
-        "$schema": "https://datapackage.org/profiles/2.0/datapackage.json",
+        "$schema": PROFILE,
         "name": dataset.id,
         "title": dataset.title,
         "description": dataset.split,
@@ -54,6 +61,36 @@ def write_datapackage(dataset: Dataset, folder: str | os.PathLike[str]) -> Path:
     path = target / "datapackage.json"
     write_text(path, json.dumps(package, indent=1, ensure_ascii=False) + "\n")
     return path
+
+
+def catalogue_package() -> dict[str, Any]:
+    """The catalogue of recorded data as a data package: every published file with its address, size, checksum and licence."""
+    entries = catalogue().values()
+    return {
+        "$schema": PROFILE,
+        "name": "hystbench-recorded-data",
+        "title": "Recorded hysteresis data that hystbench knows",
+        "description": "Published by their authors, pinned to a commit; `hystbench data fetch` downloads and checks them.",
+        "sources": [{"title": entry.citation, "path": url} for entry in entries for url in entry.urls],
+        "resources": [_published(entry, file) for entry in entries for file in entry.files],
+    }
+
+
+def _published(entry: CatalogueEntry, file: CatalogueFile) -> dict[str, Any]:
+    suffix = Path(file.path).suffix[1:].lower()
+    slug = re.sub(r"[^a-z0-9]+", "-", f"{file.repository.split('/')[1]} {file.path}".lower()).strip("-")
+    return {
+        "name": f"{entry.id}.{slug}",
+        "path": f"{PUBLISHED}/{quote(str(file.place))}",
+        "title": file.path,
+        "format": suffix,
+        "mediatype": MEDIA_TYPES.get(suffix, "application/octet-stream"),
+        "bytes": file.bytes,
+        "hash": f"sha256:{file.sha256}",
+        "licenses": [_licence(entry.licence)],
+        "sources": [{"title": entry.citation}],
+        "dataset": entry.id,
+    }
 
 
 def _write(dataset: Dataset, recording: Recording, folder: Path, stem: str, part: str) -> dict[str, Any]:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import re
+import urllib.parse
 from collections.abc import Callable
 from dataclasses import replace
+from importlib.resources import files
 from pathlib import Path
 
+import frictionless
 import numpy as np
 import pandas as pd
 import pytest
@@ -18,7 +20,7 @@ from hystbench.bench.cli import cli
 from hystbench.bench.console import execute
 from hystbench.datasets import Dataset, Recording, catalogue, get
 from hystbench.datasets.catalogue import CatalogueEntry, CatalogueFile
-from hystbench.datasets.datapackage import write_datapackage
+from hystbench.datasets.datapackage import catalogue_package, write_datapackage
 from hystbench.datasets.recording_files import read_recording
 from hystbench.errors import InputError
 
@@ -172,20 +174,47 @@ def test_the_same_dataset_gives_the_same_bytes(data: Run, tmp_path: Path) -> Non
 
 @pytest.mark.parametrize("name", ["vsa-published", "vsa-minor-loops", "vsa-physical"])
 def test_packages_follow_the_standard(tmp_path: Path, name: str) -> None:
-    # The rules of https://datapackage.org/profiles/2.0/datapackage.json that a descriptor of ours could break.
-    package = json.loads(write_datapackage(get(name)().load(), tmp_path).read_text(encoding="utf-8"))
-    assert package["$schema"].startswith("https://datapackage.org/profiles/2.0/")
-    for licence in package["licenses"]:
-        assert re.fullmatch(r"[-a-zA-Z0-9._]+", licence["name"])
-    assert all(source["title"] for source in package["sources"])
-    names = [resource["name"] for resource in package["resources"]]
-    assert len(set(names)) == len(names)
-    for resource in package["resources"]:
-        assert not os.path.isabs(resource["path"])
-        assert ".." not in resource["path"]
-        assert resource["encoding"] == "utf-8"
-        for field in resource["schema"]["fields"]:
-            assert field["type"] == "number"
+    path = write_datapackage(get(name)().load(), tmp_path)
+    report = frictionless.validate(str(path))
+    assert report.valid, report.flatten(["type", "message"])
+    # Sizes and checksums are part of what was validated.
+    damaged = next(tmp_path.glob("*.csv"))
+    damaged.write_text(damaged.read_text().replace("1", "2", 1))
+    assert not frictionless.validate(str(path)).valid
+
+
+# ---- the catalogue as a package --------------------------------------------------------------------------------------
+
+
+def test_the_catalogues_package_follows_the_standard_and_names_every_file(data: Run) -> None:
+    code, out, _ = data("list", "--datapackage")
+    assert code == 0
+    package = json.loads(out)
+    report = frictionless.Package.validate_descriptor(package)
+    assert report.valid, report.flatten(["type", "message"])
+    published = [(found.id, file) for found in catalogue.catalogue().values() for file in found.files]
+    assert len(package["resources"]) == len(published) > 50
+    assert len({resource["name"] for resource in package["resources"]}) == len(published)
+    for resource, (name, file) in zip(package["resources"], published, strict=True):
+        assert resource["dataset"] == name
+        assert (resource["bytes"], resource["hash"]) == (file.bytes, f"sha256:{file.sha256}")
+        address = urllib.parse.urlsplit(resource["path"])
+        assert address.hostname == "raw.githubusercontent.com"
+        assert urllib.parse.unquote(address.path) == f"/{file.place}"
+        assert " " not in resource["path"]
+
+
+def test_a_broken_package_would_be_noticed() -> None:
+    for broken in ({"name": "no path"}, {"name": "no text", "path": 3}):
+        package = catalogue_package()
+        package["resources"][0] = broken
+        assert not frictionless.Package.validate_descriptor(package).valid
+
+
+def test_the_committed_package_is_the_catalogues() -> None:
+    text = files("hystbench.datasets").joinpath("datapackage.json").read_text(encoding="utf-8")
+    # Made by `hystbench data list --datapackage > datasets/datapackage.json`.
+    assert json.loads(text) == catalogue_package()
 
 
 def small(**changes: object) -> Dataset:
