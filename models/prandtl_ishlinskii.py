@@ -28,62 +28,64 @@ def _initial_state(capacity: int) -> Floats:
 
 
 @njit(cache=True)
-def _loading(d, thresholds, slopes, intercepts, per_step):
-    """Initial loading curve: sum of w_i max(d - r_i, 0) for d >= 0."""
-    if per_step > 0.0:
-        # The bound comes first: a float beyond the integers has no meaningful int().
-        k = int(min(d * per_step, thresholds.size - 1.0))
-    else:
-        k = max(np.searchsorted(thresholds, d) - 1, 0)
-    return slopes[k] * d - intercepts[k]
-
-
-@njit(cache=True)
-def _advance(x, state, params):
+def _run(x, state, params, out):
+    # The state is held in local variables meanwhile: through the array each sample would cost ten times as much.
     thresholds, slopes, intercepts, per_step, offset = params
-    if state[_STARTED] == 0.0:
-        # From the demagnetised origin the operators have moved to x along the initial loading curve.
-        state[_STARTED] = 1.0
-        state[_DIRECTION] = np.sign(x)
-    elif x != state[_X]:
-        direction = 1.0 if x > state[_X] else -1.0
-        n = int(state[_COUNT])
-        if direction == -state[_DIRECTION]:
-            state[_STACK + 2 * n] = state[_X]
-            state[_STACK + 2 * n + 1] = state[_Y]
-            n += 1
-        state[_DIRECTION] = direction
-        # Wiping-out: a minor loop is forgotten once the input passes the reversal at which it began.
-        while n >= 2 and direction * (x - state[_STACK + 2 * n - 4]) >= 0.0:
-            n -= 2
-        if n == 1 and abs(x) >= abs(state[_STACK]):
-            n = 0
-        state[_COUNT] = n
-    else:
-        return state[_Y] + offset
+    started = state[_STARTED] != 0.0
     n = int(state[_COUNT])
-    if n == 0:
-        y = _loading(abs(x), thresholds, slopes, intercepts, per_step)
-        if x < 0.0:
-            y = -y
-    else:
-        from_reversal = x - state[_STACK + 2 * n - 2]
-        y = 2.0 * _loading(0.5 * abs(from_reversal), thresholds, slopes, intercepts, per_step)
-        y = state[_STACK + 2 * n - 1] + (y if from_reversal > 0.0 else -y)
-    state[_X] = x
+    last = state[_X]
+    y = state[_Y]
+    direction = state[_DIRECTION]
+    for i in range(x.size):
+        now = x[i]
+        if not started:
+            # From the demagnetised origin the operators have moved to x along the initial loading curve.
+            started = True
+            direction = np.sign(now)
+        elif now != last:
+            towards = 1.0 if now > last else -1.0
+            if towards == -direction:
+                state[_STACK + 2 * n] = last
+                state[_STACK + 2 * n + 1] = y
+                n += 1
+            direction = towards
+            # Wiping-out: a minor loop is forgotten once the input passes the reversal at which it began.
+            while n >= 2 and direction * (now - state[_STACK + 2 * n - 4]) >= 0.0:
+                n -= 2
+            if n == 1 and abs(now) >= abs(state[_STACK]):
+                n = 0
+        else:
+            out[i] = y + offset
+            continue
+        # On the initial loading curve, or on its double that begins at the last reversal.
+        way = abs(now) if n == 0 else 0.5 * abs(now - state[_STACK + 2 * n - 2])
+        if per_step > 0.0:
+            # The bound comes first: a float beyond the integers has no meaningful int().
+            k = int(min(way * per_step, thresholds.size - 1.0))
+        else:
+            k = max(np.searchsorted(thresholds, way) - 1, 0)
+        # Initial loading curve: sum of w_i max(way - r_i, 0).
+        rise = slopes[k] * way - intercepts[k]
+        if n == 0:
+            y = rise if now >= 0.0 else -rise
+        elif now > state[_STACK + 2 * n - 2]:
+            y = state[_STACK + 2 * n - 1] + 2.0 * rise
+        else:
+            y = state[_STACK + 2 * n - 1] - 2.0 * rise
+        last = now
+        out[i] = y + offset
+    state[_STARTED] = 1.0 if started else 0.0
+    state[_COUNT] = n
+    state[_X] = last
     state[_Y] = y
-    return y + offset
+    state[_DIRECTION] = direction
 
 
 @njit(cache=True)
 def _step(x, state, params, commit):
-    return _advance(x, state if commit else state.copy(), params)
-
-
-@njit(cache=True)
-def _run(x, state, params, out):
-    for i in range(x.size):
-        out[i] = _advance(x[i], state, params)
+    one = np.full(1, x)
+    _run(one, state if commit else state.copy(), params, one)
+    return one[0]
 
 
 @njit(cache=True)

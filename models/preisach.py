@@ -45,27 +45,7 @@ def _initial_state(capacity: int) -> Floats:
 
 
 @njit(cache=True)
-def _everett(a, b, alphas, betas, table, diagonal, width):
-    """Weight of the relays with alpha <= a and beta >= b, for a >= b."""
-    if width == 0.0:
-        return table[np.searchsorted(alphas, a, side="right"), np.searchsorted(betas, b)]
-    # Uniform cells: alphas[0] is the lowest edge, and the table holds the sums at the cells' corners.
-    cells = diagonal.size
-    fa = min(max((a - alphas[0]) / width, 0.0), float(cells))
-    fb = min(max((b - alphas[0]) / width, 0.0), float(cells))
-    i = min(int(fa), cells - 1)
-    j = min(int(fb), cells - 1)
-    fa -= i
-    fb -= j
-    if i == j:
-        return diagonal[i] * (fa - fb)
-    low = table[i, j] + fb * (table[i, j + 1] - table[i, j])
-    high = table[i + 1, j] + fb * (table[i + 1, j + 1] - table[i + 1, j])
-    return low + fa * (high - low)
-
-
-@njit(cache=True)
-def _virgin(x, alphas, betas, rise_at, rise, fall_at, fall, width):
+def _virgin(x, rise_at, rise, fall_at, fall, width):
     """Change of the output from the demagnetised state to ``x``, reached without turning."""
     if width == 0.0:
         return 2.0 * (rise[np.searchsorted(rise_at, x, side="right")] - fall[np.searchsorted(fall_at, x)])
@@ -81,50 +61,92 @@ def _virgin(x, alphas, betas, rise_at, rise, fall_at, fall, width):
 
 
 @njit(cache=True)
-def _advance(x, state, params):
-    alphas, betas, table, diagonal, rise_at, rise, fall_at, fall, level, width = params
-    if state[_STARTED] == 0.0:
-        state[_STARTED] = 1.0
-        state[_DIRECTION] = np.sign(x)
-    elif x != state[_X]:
-        direction = 1.0 if x > state[_X] else -1.0
-        n = int(state[_COUNT])
-        if direction == -state[_DIRECTION]:
-            state[_STACK + 2 * n] = state[_X]
-            state[_STACK + 2 * n + 1] = state[_Y]
-            n += 1
-        state[_DIRECTION] = direction
-        while n >= 2 and direction * (x - state[_STACK + 2 * n - 4]) >= 0.0:
-            n -= 2
-        if n == 1 and abs(x) >= abs(state[_STACK]):
-            n = 0
-        state[_COUNT] = n
-    else:
-        return state[_Y]
+def _run(x, state, params, out):
+    # The state is held in local variables meanwhile: through the array each sample would cost several times as much.
+    alphas, betas, table, diagonal, rise_at, rise, fall_at, fall, level, width, pace = params
+    started = state[_STARTED] != 0.0
     n = int(state[_COUNT])
-    if n == 0:
-        y = level + _virgin(x, alphas, betas, rise_at, rise, fall_at, fall, width)
-    else:
-        turn = state[_STACK + 2 * n - 2]
-        y = state[_STACK + 2 * n - 1]
-        if x >= turn:
-            y += 2.0 * _everett(x, turn, alphas, betas, table, diagonal, width)
+    last = state[_X]
+    y = state[_Y]
+    direction = state[_DIRECTION]
+    for i in range(x.size):
+        now = x[i]
+        if not started:
+            started = True
+            direction = np.sign(now)
+        elif now != last:
+            towards = 1.0 if now > last else -1.0
+            if towards == -direction:
+                state[_STACK + 2 * n] = last
+                state[_STACK + 2 * n + 1] = y
+                n += 1
+            direction = towards
+            while n >= 2 and direction * (now - state[_STACK + 2 * n - 4]) >= 0.0:
+                n -= 2
+            if n == 1 and abs(now) >= abs(state[_STACK]):
+                n = 0
         else:
-            y -= 2.0 * _everett(turn, x, alphas, betas, table, diagonal, width)
-    state[_X] = x
+            out[i] = y
+            continue
+        if n == 0:
+            y = level + _virgin(now, rise_at, rise, fall_at, fall, width)
+        else:
+            # Everett's function of the last turn and the input: the weight of the relays between them.
+            turn = state[_STACK + 2 * n - 2]
+            a = max(now, turn)
+            b = min(now, turn)
+            if width > 0.0:
+                # Uniform cells: alphas[0] is the lowest edge, and the table holds the sums at the cells' corners.
+                cells = diagonal.size
+                fa = min(max((a - alphas[0]) / width, 0.0), float(cells))
+                fb = min(max((b - alphas[0]) / width, 0.0), float(cells))
+                p = min(int(fa), cells - 1)
+                q = min(int(fb), cells - 1)
+                fa -= p
+                fb -= q
+                if p == q:
+                    weight = diagonal[p] * (fa - fb)
+                else:
+                    low = table[p, q] + fb * (table[p, q + 1] - table[p, q])
+                    high = table[p + 1, q] + fb * (table[p + 1, q + 1] - table[p + 1, q])
+                    weight = low + fa * (high - low)
+            elif pace > 0.0:
+                # Evenly spaced thresholds: the place follows from the spacing but for rounding, which is put right.
+                p = int(min(max((a - alphas[0]) * pace + 1.0, 0.0), float(alphas.size)))
+                while p < alphas.size and alphas[p] <= a:
+                    p += 1
+                while p > 0 and alphas[p - 1] > a:
+                    p -= 1
+                q = int(min(max((b - betas[0]) * pace + 1.0, 0.0), float(betas.size)))
+                while q < betas.size and betas[q] < b:
+                    q += 1
+                while q > 0 and betas[q - 1] >= b:
+                    q -= 1
+                weight = table[p, q]
+            else:
+                weight = table[np.searchsorted(alphas, a, side="right"), np.searchsorted(betas, b)]
+            y = state[_STACK + 2 * n - 1] + (2.0 * weight if now >= turn else -2.0 * weight)
+        last = now
+        out[i] = y
+    state[_STARTED] = 1.0 if started else 0.0
+    state[_COUNT] = n
+    state[_X] = last
     state[_Y] = y
-    return y
+    state[_DIRECTION] = direction
 
 
 @njit(cache=True)
 def _step(x, state, params, commit):
-    return _advance(x, state if commit else state.copy(), params)
+    one = np.full(1, x)
+    _run(one, state if commit else state.copy(), params, one)
+    return one[0]
 
 
-@njit(cache=True)
-def _run(x, state, params, out):
-    for i in range(x.size):
-        out[i] = _advance(x[i], state, params)
+def _common_pace(alphas: Floats, betas: Floats) -> float:
+    """Thresholds per input where both sets are evenly spaced alike; 0 where they are not."""
+    steps = np.concatenate([np.diff(alphas), np.diff(betas)])
+    even = steps.size > 0 and np.allclose(steps, steps[0], rtol=1e-6, atol=0.0)
+    return 1.0 / float(steps[0]) if even and 1.0 / float(steps[0]) < np.inf else 0.0
 
 
 def _relay_parameters(alpha: Floats, beta: Floats, weights: Floats, offset: float) -> tuple[Any, ...]:
@@ -147,7 +169,8 @@ def _relay_parameters(alpha: Floats, beta: Floats, weights: Floats, offset: floa
     # Relays that start up fall where beta >= x: sums from the top.
     fall_at = beta[up][order]
     fall = np.concatenate([np.cumsum(weights[up][order][::-1])[::-1], [0.0]])
-    return alphas, betas, table, np.zeros(1), rise_at, rise, fall_at, fall, level, 0.0
+    pace = _common_pace(alphas, betas)
+    return alphas, betas, table, np.zeros(1), rise_at, rise, fall_at, fall, level, 0.0, pace
 
 
 def _cell_parameters(grid: Floats, offset: float, width: float) -> tuple[Any, ...]:
@@ -175,7 +198,7 @@ def _cell_parameters(grid: Floats, offset: float, width: float) -> tuple[Any, ..
         total_down += linear + 0.5 * across
     level = offset + total_down - total_up
     empty = np.zeros(0)
-    return edges, edges, table, diagonal, empty, rise.ravel(), empty, fall.ravel(), level, width
+    return edges, edges, table, diagonal, empty, rise.ravel(), empty, fall.ravel(), level, width, 0.0
 
 
 class Preisach(HysteresisModel):
