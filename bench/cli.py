@@ -12,6 +12,7 @@ import click
 
 from .. import __version__
 from ..errors import InputError
+from . import threads  # noqa: F401 (before anything that imports NumPy)
 from .console import EXIT_CHECK_FAILED, CommandGroup, execute, message
 from .data_commands import data
 
@@ -81,7 +82,12 @@ def cli() -> None:
 
 
 @cli.command()
-@click.option("--models", metavar="A,B", callback=_names, help="Model ids; `all`: every registered one (default: all but the extended ones).")
+@click.option(
+    "--models",
+    metavar="A,B",
+    callback=_names,
+    help="Model ids; `all`: every registered one (default: all but the extended ones).",
+)
 @click.option(
     "--datasets",
     metavar="A,B",
@@ -174,20 +180,26 @@ def run(
 @cli.command()
 @click.argument("folders", metavar="DIR...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for the merged run and its report.")
-def report(folders: tuple[Path, ...], out: Path | None) -> None:
+@click.option("--export", "as_files", is_flag=True,
+              help="Also write DIR/figures (SVG, PDF, PNG) and DIR/tables (CSV, LaTeX booktabs).")  # fmt: skip
+def report(folders: tuple[Path, ...], out: Path | None, as_files: bool) -> None:
     """Render DIR/report.html again from the results in DIR, or merge several runs into one and report that.
 
     \b
     Examples:
-      hystbench report hystbench-report
+      hystbench report hystbench-report --export
       hystbench report part-1 part-2 part-3 --out report
     """
-    from ..reports import render
+    from ..reports import export, render
     from .merge import merge
 
     if out is None and len(folders) > 1:
         raise InputError("several folders are merged into a new one; name it with --out DIR")
-    click.echo(str(render(folders[0] if out is None else merge(folders, out))))
+    folder = folders[0] if out is None else merge(folders, out)
+    page = render(folder)
+    if as_files:
+        message(f"{len(export(folder))} files in {folder / 'figures'} and {folder / 'tables'}")
+    click.echo(str(page))
 
 
 @cli.command()
@@ -320,7 +332,9 @@ def _determined(model: Any, recording: Any) -> list[str]:
         return []
     labels, values, _ = model.coordinates()
     if recording.x.size * values.size > UNCERTAINTY_WORK:
-        return [f"{values.size} parameters; standard errors left out, they would take long on {recording.x.size} samples"]
+        return [
+            f"{values.size} parameters; standard errors left out, they would take long on {recording.x.size} samples"
+        ]
     found = parameter_uncertainty(model, recording.x, recording.y, time=recording.time)
     lines = []
     if values.size <= PARAMETERS_SHOWN:
@@ -329,8 +343,12 @@ def _determined(model: Any, recording: Any) -> list[str]:
             for label, value in zip(labels, values.tolist(), strict=True)
         ]
     if found.undetermined:
-        shown = ", ".join(found.undetermined[:PARAMETERS_SHOWN]) + (" …" if len(found.undetermined) > PARAMETERS_SHOWN else "")
-        lines.append(f"this recording does not determine {len(found.undetermined)} of {values.size} parameters: {shown}")
+        shown = ", ".join(found.undetermined[:PARAMETERS_SHOWN]) + (
+            " …" if len(found.undetermined) > PARAMETERS_SHOWN else ""
+        )
+        lines.append(
+            f"this recording does not determine {len(found.undetermined)} of {values.size} parameters: {shown}"
+        )
     return lines
 
 
@@ -353,9 +371,7 @@ def predict(model: Path, file: Path, out: Path, x: str | None, y: str | None, ti
     fitted = models.load(model)
     columns = read_columns(file, {"x": x or DEFAULT_X}, time=time)
     predicted = fitted.predict(columns["x"], **time_argument(fitted.predict, columns.time))
-    write_recording(
-        out, {columns.time_name: columns.time, x or DEFAULT_X: columns["x"], y or DEFAULT_Y: predicted}
-    )
+    write_recording(out, {columns.time_name: columns.time, x or DEFAULT_X: columns["x"], y or DEFAULT_Y: predicted})
     click.echo(str(out))
 
 
