@@ -544,23 +544,24 @@ def _drift(grouped: Sequence[Sequence[Loop]]) -> tuple[Estimate | None, Estimate
 
 
 def _congruency(grouped: Sequence[Sequence[Loop]], y: Signal) -> Congruency | None:
-    different, equal = [], []
+    different: list[tuple[float, float]] = []
+    equal: list[tuple[float, float]] = []
     for members in grouped:
         shapes = [np.concatenate([loop.up, loop.down]) - loop.level for loop in members]
         for i, j in combinations(range(min(len(members), 40)), 2):
             speeds = members[i].speed, members[j].speed
             if max(speeds) > LEAST_SPEED_RATIO * min(speeds):
                 continue
-            size = 0.5 * (np.ptp(shapes[i]) + np.ptp(shapes[j]))
+            size = float(0.5 * (np.ptp(shapes[i]) + np.ptp(shapes[j])))
             defect = float(np.sqrt(np.mean((shapes[i] - shapes[j]) ** 2)) / max(size, 1e-300))
             apart = abs(members[i].level - members[j].level) > OTHER_HISTORY * y.span
             (different if apart else equal).append((defect, size))
     if not different:
         return None
     values = np.array([defect for defect, _ in different])
-    size = float(np.mean([size for _, size in different]))
-    repeats = float(np.median([defect for defect, _ in equal])) if equal else np.sqrt(2.0) * y.noise / size
+    mean_size = float(np.mean([size for _, size in different]))
+    repeats = float(np.median([defect for defect, _ in equal]) if equal else np.sqrt(2.0) * y.noise / mean_size)
     generator = np.random.default_rng(0)
     means = generator.choice(values, (1000, values.size)).mean(axis=1)
     low, high = np.quantile(means, [0.025, 0.975])
-    return Congruency(Estimate(float(values.mean()), float(low), float(high), values.size), float(repeats))
+    return Congruency(Estimate(float(values.mean()), float(low), float(high), values.size), repeats)

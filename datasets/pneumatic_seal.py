@@ -119,13 +119,15 @@ def effective_area(tests: Sequence[Floats]) -> float:
     Friction opposes the motion, so the mean of both strokes is free of it; the area is how that mean rises with
     pressure.
     """
-    levels = []
+    pressures: list[float] = []
+    forces: list[float] = []
     for columns in tests:
         x, pressure, force = columns[4], columns[5], columns[6]
         middle = (x > MID_STROKE[0]) & (x < MID_STROKE[1])
         way = directions(x, dead_band=1.0)
-        levels.append([np.mean([np.median(v[middle & (way == side)]) for side in (1, -1)]) for v in (pressure, force)])
-    return float(np.polyfit(*np.transpose(levels), 1)[0])
+        for levels, series in ((pressures, pressure), (forces, force)):
+            levels.append(float(np.mean([np.median(series[middle & (way == side)]) for side in (1, -1)])))
+    return float(np.polyfit(pressures, forces, 1)[0])
 
 
 def _recording(name: str, columns: Floats, area: float, conditions: dict[str, str]) -> Recording:
