@@ -14,7 +14,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -299,7 +299,7 @@ def parameters_make_the_same_model(case: Case) -> None:
     _expect_value_error("from_parameters with an unknown name", lambda: case.cls.from_parameters(no_such_parameter=1.0))
     for name in case.fitted.parameters_:
         changed = {**case.fitted.parameters_, name: np.nan}
-        _expect_value_error(f"from_parameters({name}=nan)", lambda changed=changed: case.cls.from_parameters(**changed))
+        _expect_value_error(f"from_parameters({name}=nan)", partial(case.cls.from_parameters, **changed))
 
 
 def files_keep_every_bit(case: Case) -> None:
@@ -334,11 +334,11 @@ def bad_input_is_a_value_error(case: Case) -> None:
         "None": None,
     }
     for kind, bad in series.items():
-        _expect_value_error(f"fit with {kind} as x", lambda bad=bad: case.cls().fit(bad, y))
-        _expect_value_error(f"fit with {kind} as y", lambda bad=bad: case.cls().fit(x, bad))
-        _expect_value_error(f"predict of {kind}", lambda bad=bad: case.fitted.predict(bad))
+        _expect_value_error(f"fit with {kind} as x", partial(case.cls().fit, bad, y))
+        _expect_value_error(f"fit with {kind} as y", partial(case.cls().fit, x, bad))
+        _expect_value_error(f"predict of {kind}", partial(case.fitted.predict, bad))
         if hasattr(case.cls, "invert"):
-            _expect_value_error(f"invert of {kind}", lambda bad=bad: case.fitted.invert(bad))
+            _expect_value_error(f"invert of {kind}", partial(case.fitted.invert, bad))
     few = max(1, getattr(case.cls, "minimum_samples", 2) - 1)
     _expect_value_error("fit with x and y of unequal length", lambda: case.cls().fit(x, y[:-1]))
     _expect_value_error(f"fit with {few} sample(s)", lambda: case.cls().fit(x[60 : 60 + few], y[60 : 60 + few]))
@@ -349,12 +349,15 @@ def extreme_values_never_give_nan(case: Case) -> None:
     """Huge and denormal numbers, and outputs that never move: a finite answer or a ValueError, nothing in between."""
     x, y = case.recording
 
+    def refitted(x: Floats, y: Floats, at: Floats) -> Any:
+        return case.cls().fit(x, y).predict(at)
+
     def answers() -> Iterator[tuple[str, Callable[[], Any]]]:
         for scale in (1e300, 1e-310):
-            yield f"predict at {scale:g}", lambda scale=scale: case.fitted.predict(scale * x)
-            yield f"fit with x at {scale:g}", lambda scale=scale: case.cls().fit(scale * x, y).predict(scale * x)
-            yield f"fit with y at {scale:g}", lambda scale=scale: case.cls().fit(x, scale * y).predict(x)
-        yield "fit with constant y", lambda: case.cls().fit(x, np.full_like(y, 0.7)).predict(x)
+            yield f"predict at {scale:g}", partial(case.fitted.predict, scale * x)
+            yield f"fit with x at {scale:g}", partial(refitted, scale * x, y, scale * x)
+            yield f"fit with y at {scale:g}", partial(refitted, x, scale * y, x)
+        yield "fit with constant y", partial(refitted, x, np.full_like(y, 0.7), x)
 
     for name, answer in answers():
         try:

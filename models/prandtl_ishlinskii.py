@@ -169,7 +169,9 @@ class PrandtlIshlinskii(HysteresisModel):
     def _solve(self, design: Floats, target: Floats) -> tuple[Floats, float]:
         ones = np.ones((target.size, 1))
         if self.weights == "free":
-            solution = np.linalg.lstsq(np.hstack([design, ones]), target, rcond=1e-10)[0]
+            solution: Floats = np.asarray(
+                np.linalg.lstsq(np.hstack([design, ones]), target, rcond=1e-10)[0], dtype=float
+            )
             return solution[:-1], float(solution[-1])
         floor = 0.0
         if self.weights == "invertible":
