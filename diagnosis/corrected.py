@@ -152,12 +152,13 @@ def corrected_simulator(found: Diagnosis, model: Any | None) -> CorrectedSimulat
     """
     hypothesis = _named(found)
     entries, start = [], 0
-    for term in hypothesis.terms if hypothesis else ():
+    terms, coefficients = (hypothesis.terms, hypothesis.coefficients) if hypothesis else ((), np.empty(0))
+    for term in terms:
         width = len(term.form.coefficients)
         if not any(channel in term.form.name for channel in found.signals.channels):
             entries.append({
                 "effect": term.effect.id, "form": term.form.name, "shape": list(term.shape),
-                "coefficients": hypothesis.coefficients[start : start + width].tolist(),
+                "coefficients": coefficients[start : start + width].tolist(),
             })  # fmt: skip
         start += width
     base = found.evidence.scene.emulator.parameters

@@ -13,7 +13,7 @@ loop width, scale of the deflection, rates), in which it differs only if it is b
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -88,14 +88,7 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
     own = Generalised(signals)
     groups = np.repeat(np.arange(len(signals.runs)), [run.stop - run.start for run in signals.runs])
     if model is not None:
-        return Emulator(
-            "the simulator itself",
-            0.0,
-            lambda x: np.asarray(model.predict(x, groups)),
-            lambda x: np.asarray(model.predict(x)),
-            *own.tangent(),
-            _described(model),
-        )
+        return _of_model(model, groups, *own.tangent())
     best = Emulator(
         "generalised Prandtl-Ishlinskii",
         own.error,
@@ -112,15 +105,19 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
             continue
         error = _relative_error(np.asarray(rival.predict(signals.x, groups)), signals.y_sim)
         if error < best.error:
-            best = Emulator(
-                name, error, lambda x, m=rival: np.asarray(m.predict(x, groups)), lambda x, m=rival: np.asarray(m.predict(x)),
-                best.structure, best.bulk, _described(rival),
-            )  # fmt: skip
+            best = replace(_of_model(rival, groups, best.structure, best.bulk), name=name, error=error)
     return best
 
 
-def _described(model: Any) -> dict[str, Any]:
-    return {"model": model.id, "parameters": dict(model.parameters_)}
+def _of_model(model: Any, groups: NDArray[np.intp], structure: Floats, bulk: Floats) -> Emulator:
+    def predict(x: Floats) -> Floats:
+        return np.asarray(model.predict(x, groups))
+
+    def anew(x: Floats) -> Floats:
+        return np.asarray(model.predict(x))
+
+    described = {"model": model.id, "parameters": dict(model.parameters_)}
+    return Emulator("the simulator itself", 0.0, predict, anew, structure, bulk, described)
 
 
 def _relative_error(predicted: Floats, wanted: Floats) -> float:
@@ -195,7 +192,7 @@ def _parts(
     signs = np.column_stack([np.concatenate([bristle(x[run], length) for run in runs]) * length for length in lengths])
     # Polynomials are not to be trusted far beyond the recorded stroke: they end there.
     u = np.clip(x / reach, -1.3, 1.3)
-    elastic = np.polynomial.legendre.legvander(u, DEGREE)
+    elastic: Floats = np.asarray(np.polynomial.legendre.legvander(u, DEGREE))
     some = stops[:, [ELEMENTS // 3, 2 * ELEMENTS // 3]]
     placed = np.hstack([u[:, None] * some, (u * u)[:, None] * some])
     return elastic, np.hstack([stops, signs]), placed
@@ -215,9 +212,8 @@ def _solve(free: Floats, bounded: Floats, target: Floats) -> Floats:
     columns = columns / scale
     # A ridge of a millionth keeps nearly equal columns from cancelling each other with huge weights.
     ridge = np.sqrt(1e-6 * columns.shape[0]) * np.eye(columns.shape[1])
-    triangle = np.linalg.qr(
-        np.column_stack([np.vstack([columns, ridge]), np.concatenate([target, np.zeros(columns.shape[1])])]), mode="r"
-    )
+    stacked = np.column_stack([np.vstack([columns, ridge]), np.concatenate([target, np.zeros(columns.shape[1])])])
+    triangle: Floats = np.asarray(np.linalg.qr(stacked, mode="r"))
     k = free.shape[1]
     matrix, wanted = triangle[:-1, :-1], triangle[:-1, -1]
     # The free unknowns come first in the triangle: below their rows only the bounded ones are left.

@@ -265,6 +265,7 @@ class Evidence:
                 by_scale[scale] = score
                 if best is None or score > best.score:
                     best = Hypothesis(ordered, scale, columns, beta[0], rss, score)
+            assert best is not None
             best.by_scale = by_scale
         assert best is not None
         return best
@@ -301,7 +302,7 @@ class Evidence:
 
         inside = np.clip(encode(first), ends[0] + 1e-9, ends[1] - 1e-9)
         found = least_squares(
-            left, inside, bounds=(ends[0], ends[1]), diff_step=3e-3, max_nfev=evaluations, xtol=1e-3, ftol=1e-4,
+            left, inside, bounds=(ends[0], ends[1]), diff_step=np.full(first.size, 3e-3), max_nfev=evaluations, xtol=1e-3, ftol=1e-4,
             x_scale=np.maximum(0.2 * (ends[1] - ends[0]), 1e-12),
         )  # fmt: skip
         better = self.fit(terms_at(found.x), scales)

@@ -65,8 +65,9 @@ def motion(moves: Sequence[tuple[float, float, float]], start: float, limits: Li
         parts.append(at + (target - at) * (0.5 - 0.5 * np.cos(np.pi * phase)))
         parts.append(np.full(round(hold / limits.interval), target))
         at = target
-    x = np.concatenate(parts)
-    return np.arange(x.size) * limits.interval, x
+    x: Floats = np.concatenate(parts)
+    time: Floats = limits.interval * np.arange(x.size, dtype=np.float64)
+    return time, x
 
 
 def candidate_motions(limits: Limits) -> Iterator[tuple[str, Floats, Floats]]:

@@ -152,6 +152,12 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
             for better in (fitted, *(_successors(evidence, fitted) if size == 1 else ())):
                 if known is None or better.score > known[0].score:
                     known = refined[better.names] = (better, numbers)
+        if size > 1:
+            # In company only the most likely sets are worth a second form.
+            for fitted, numbers in sorted(refined.values(), key=lambda item: -item[0].score)[:2]:
+                for better in _successors(evidence, fitted):
+                    if better.score > refined[better.names][0].score:
+                        refined[better.names] = (better, numbers)
         if size == 1:
             # Every effect is reported on, also those that are far from the best.
             for _, numbers in ranked[count:]:
@@ -162,22 +168,24 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
         found += [fitted for fitted, _ in ordered]
         if size < most:
             grown = [term for fitted, _ in ordered[:wide] for term in fitted.terms]
-            numbers = iter(library.add(grown))
-            beam = [
-                (tuple(next(numbers) for _ in fitted.terms), _likely_scales(fitted)) for fitted, _ in ordered[:wide]
-            ]
+            added = iter(library.add(grown))
+            beam = [(tuple(next(added) for _ in fitted.terms), _likely_scales(fitted)) for fitted, _ in ordered[:wide]]
     return found
 
 
 def _successors(evidence: Evidence, fitted: Hypothesis) -> list[Hypothesis]:
-    """The forms that start where the form of a single effect ended."""
-    (term,) = fitted.terms
-    made = []
-    for form in term.effect.forms(evidence.scene):
-        if form.refines == term.form.name:
-            shape = form.start(term.shape, fitted.coefficients) if form.start else term.shape
-            inside = tuple(float(np.clip(v, low, high)) for v, (low, high) in zip(shape, form.limits, strict=True))
-            made.append(evidence.refine(evidence.fit([Term(term.effect, form, inside, term.laws)])))
+    """The same effects with one form replaced by those that start where it ended."""
+    made, start = [], 0
+    for k, term in enumerate(fitted.terms):
+        coefficients = fitted.coefficients[start : start + len(term.form.coefficients)]
+        start += len(term.form.coefficients)
+        for form in term.effect.forms(evidence.scene):
+            if form.refines == term.form.name:
+                shape = form.start(term.shape, coefficients) if form.start else term.shape
+                inside = tuple(float(np.clip(v, low, high)) for v, (low, high) in zip(shape, form.limits, strict=True))
+                terms = list(fitted.terms)
+                terms[k] = Term(term.effect, form, inside, term.laws)
+                made.append(evidence.refine(evidence.fit(terms)))
     return made
 
 

@@ -23,8 +23,11 @@ SAME_BY_EYE = 0.008
 EFFECT_COST = 3.0
 """Logarithm of the prior odds against each further effect."""
 EFFECT_COST_REFITTED = 12.0
-COINCIDENCE = 30.0
-"""Logarithm of the odds against effects of twice 1.5 times the gap; it grows as the square."""
+COINCIDENCE = 200.0
+"""Logarithm of the odds against effects of 2.5 times the gap; it grows as the square beyond 1.25."""
+STANDS_IN = ("torque_gain",)
+STAND_IN = 35.0
+"""Logarithm of the odds against these where the loop's fine structure is off too: then the simulator is to blame."""
 NEGLIGIBLE = 0.7
 """An effect smaller than this share of the noise is no gap beyond the noise."""
 WORTH = 0.04
@@ -76,9 +79,11 @@ def _prior(hypothesis: Hypothesis, gap: float) -> float:
     refitted = is_refitted(hypothesis.scale)
     cost = (EFFECT_COST_REFITTED if refitted else EFFECT_COST) * len(hypothesis.terms)
     cost += sum(float(np.log(term.laws)) for term in hypothesis.terms)
+    if hypothesis.scale[0] >= FINE and any(term.effect.id in STANDS_IN for term in hypothesis.terms):
+        cost += STAND_IN
     # Effects and errors of the simulator that are each larger than the gap and cancel would be a coincidence.
     size = float(np.sqrt(np.mean(np.square(hypothesis.signal)))) / gap
-    return -cost - COINCIDENCE * max(size / 1.5 - 1.0, 0.0) ** 2
+    return -cost - COINCIDENCE * max(size / 1.25 - 1.0, 0.0) ** 2
 
 
 def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
@@ -97,14 +102,14 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     recalibration = evidence.absorbed(evidence.gap - best.signal[evidence.rows], best.scale)
     misfit_fixed = _left_over(evidence, fixed)
     misfit_refit = _left_over(evidence, best)
-    refit_gain = (np.mean(np.square(misfit_fixed)) - np.mean(np.square(misfit_refit))) / energy
+    refit_gain = float(np.mean(np.square(misfit_fixed)) - np.mean(np.square(misfit_refit))) / energy
     held = held_out(evidence, best)
     if best.terms:
         # What the refit closes of the gap, on unseen samples, and beyond what fine structure would close.
         alone = float(np.mean(np.square(signals.gap - held.signal)))
         together = float(np.mean(np.square(signals.gap - held.signal - held.recalibration)))
         needed = alone - together > max(RECALIBRATION_SHARE * energy, 1.5 * floor**2)
-        miscalibrated = needed or (is_refitted(best.scale) and refit_gain > RECALIBRATION_WORTH)
+        miscalibrated = bool(needed or (is_refitted(best.scale) and refit_gain > RECALIBRATION_WORTH))
     else:
         # With no effect at all, what the refit takes is the gap.
         miscalibrated = is_refitted(best.scale) or energy > floor**2

@@ -122,6 +122,7 @@ def _write_case(case: Case, out: Path, name: str) -> tuple[dict[str, Any], dict[
 def diagnose_blind(out: Path, task: dict[str, Any]) -> dict[str, Any]:
     """Diagnose one sealed recording as a user would: from its two files."""
     from ..diagnosis import diagnose
+    from ..heldout import closed_share
     from ..inputs import read_inputs
     from .baselines import by_correlation, by_fit
 
@@ -134,7 +135,7 @@ def diagnose_blind(out: Path, task: dict[str, Any]) -> dict[str, Any]:
         "verdict": found.verdict,
         "confidence": found.confidence,
         "ambiguous": found.ambiguous,
-        "closed": found.closed_in_all,
+        "closed": closed_share(signals.gap, signals.gap - found.choice.held.signal, found.noise_floor, found.seed)[1],
         "where": found.places[0].coordinate if found.places else "",
         "baseline_fit": by_fit(found.evidence, task["exclude"]),
         "baseline_correlation": by_correlation(found.evidence, task["exclude"]),

@@ -2,7 +2,7 @@
 
 A plant is a joint torque as a function of the true motion. Its effects follow other laws than the registry's
 candidates wherever another law is physical: Carreau instead of power-law viscosity, Jenkins elements instead of
-exponential presliding, a Lorentzian Stribeck curve, a spectrum of relaxation times, a heat balance, hyperbolic wear,
+exponential presliding, an algebraic Stribeck curve of broken power, a spectrum of relaxation times, a heat balance, hyperbolic wear,
 an encoder that errs as a function of the true angle, rounded stops and limits.
 
 Two development plants (parallel slip elements; a Bouc-Wen ODE) and two test plants (an asymmetric, position-dependent
@@ -230,7 +230,7 @@ def _sweeps(rng: np.random.Generator, reach: float, seconds: float, rate: float)
     blend = 0.5 - 0.5 * np.cos(np.pi * np.clip((u - 0.46) / 0.08, 0.0, 1.0))
     start = 0.5 - 0.5 * np.cos(np.pi * np.clip(time / 0.8, 0.0, 1.0))
     x = envelope * start * ((1.0 - blend) * chirp + blend * sum_of)
-    return time, reach * x / np.max(np.abs(x))
+    return time, reach * x / float(np.max(np.abs(x)))
 
 
 def _one_sine(rng: np.random.Generator, reach: float, seconds: float, rate: float) -> tuple[Floats, Floats]:
@@ -280,7 +280,7 @@ def _coulomb(j: _Joint, a: float, rng: np.random.Generator) -> None:
 
 def _stribeck(j: _Joint, a: float, rng: np.random.Generator) -> None:
     slow = rng.uniform(0.1, 0.3) * np.std(j.speed)
-    curve = 0.5 + rng.uniform(0.8, 1.5) / (1.0 + (j.speed / slow) ** 2)
+    curve = 0.5 + rng.uniform(0.8, 1.5) / (1.0 + np.abs(j.speed / slow) ** 1.5)
     j.torque = j.torque + a * 0.1 * j.scale * curve * _jenkins_sign(j.x, 0.006 * j.base.reach)
 
 
@@ -495,9 +495,10 @@ def make(case: Case, seconds: float = 45.0, rate: float = 100.0) -> Made:
     truth = torque - base.real(measured)
     gap = y_real - y_sim
     floor = noise**2
-    oracle = 1.0 - (np.mean(np.square(gap - truth)) - floor) / max(np.mean(np.square(gap)) - floor, 1e-300)
+    before, left = float(np.mean(np.square(gap))), float(np.mean(np.square(gap - truth)))
+    oracle = 1.0 - (left - floor) / max(before - floor, 1e-300)
     contributions = {}
     for name in case.effects:
         m, t = joint({name: sizes[name]})
         contributions[name] = t - base.real(m)
-    return Made(time, x_seen, y_real, y_sim, noise, float(oracle), contributions)
+    return Made(time, x_seen, y_real, y_sim, noise, oracle, contributions)

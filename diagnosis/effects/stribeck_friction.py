@@ -20,7 +20,11 @@ def _exponential(ratio: Floats) -> Floats:
     return np.exp(-ratio)
 
 
-CURVES = (("p = 2", _gaussian), ("p = 1", _exponential))
+def _lorentzian(ratio: Floats) -> Floats:
+    return 1.0 / (1.0 + ratio**2)
+
+
+CURVES = (("p = 2", _gaussian), ("p = 1", _exponential), ("Hess-Soom", _lorentzian))
 
 
 def _columns(law: DirectionLaw, curve: Callable[[Floats], Floats]) -> Callable[[Scene, tuple[float, ...]], Floats]:
@@ -37,12 +41,14 @@ class StribeckFriction(Effect):
     id: ClassVar[str] = "stribeck_friction"
     title: ClassVar[str] = "Stribeck friction"
     summary: ClassVar[str] = "dry friction that falls with speed from breakaway to sliding (stick-slip, hunting)"
-    equation: ClassVar[str] = "y += [F + S exp(−(|v| / w)^p)] s,  p = 1 or 2"
+    equation: ClassVar[str] = "y += [F + S exp(−(|v| / w)^p)] s, p = 1 or 2; or [F + S / (1 + (v / w)²)] s"
     coordinate: ClassVar[str] = "speed"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("friction", "N·m", 0.0, np.inf, "sliding friction at high speed"),
         Parameter("breakaway_excess", "N·m", 0.0, np.inf, "what is added to it at standstill"),
-        Parameter("stribeck_speed", "rad/s", 0.0, np.inf, "speed at which the excess has fallen to 1/e"),
+        Parameter(
+            "stribeck_speed", "rad/s", 0.0, np.inf, "speed at which the excess has fallen to 1/e (Hess-Soom: to half)"
+        ),
         *PRESLIDING,
     )
     confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "viscous_friction")
