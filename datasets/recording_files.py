@@ -70,7 +70,7 @@ class Columns:
 def read_recording(
     file: str | os.PathLike[str], x: str | None = None, y: str | None = None, time: str | None = None
 ) -> Recording:
-    """Read one recording.
+    """Read one recording; what had to be assumed is in its ``conditions`` under ``"assumed"``.
 
     Parameters
     ----------
@@ -85,7 +85,10 @@ def read_recording(
         One line that says what is wrong, where (file, row, column) and what to do.
     """
     columns = read_columns(file, {"x": x or DEFAULT_X, "y": y or DEFAULT_Y}, time)
-    return Recording(Path(file).stem, columns.time, columns["x"], columns["y"], channels=columns.channels)
+    conditions = {"assumed": "; ".join(columns.notes)} if columns.notes else {}
+    return Recording(
+        Path(file).stem, columns.time, columns["x"], columns["y"], channels=columns.channels, conditions=conditions
+    )
 
 
 def read_columns(file: str | os.PathLike[str], columns: Mapping[str, str], time: str | None = None) -> Columns:

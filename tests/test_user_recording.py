@@ -194,3 +194,13 @@ def test_what_is_a_file_and_what_an_id(folder: Path) -> None:
 )
 def test_units_by_column_name(column: str, name: str, unit: str) -> None:
     assert quantity(column) == (name, unit)
+
+
+def test_fits_and_predictions_say_when_times_were_assumed(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    loops().drop(columns="time_s").to_csv("untimed.csv", index=False)
+    for model, told in (("lugre", 1), ("prandtl-ishlinskii", 0)):
+        for file, count in (("untimed.csv", told), ("loop.csv", 0)):
+            assert execute(cli, ["fit", file, "--model", model, "--out", "m.json"]) == 0
+            assert capsys.readouterr().err.count("samples are numbered") == count
+            assert execute(cli, ["predict", "m.json", file, "--out", "p.csv"]) == 0
+            assert capsys.readouterr().err.count("samples are numbered") == count
