@@ -304,10 +304,15 @@ def fit(file: Path, model_id: str, out: Path, tune: bool, x: str | None, y: str 
     )
     for condition in getattr(model, "conditions_", []):
         message(f"{'holds' if condition.holds else 'VIOLATED'}: {condition.name} ({condition.detail})")
-    for note in getattr(model, "notes_", []):
+    for note in [*getattr(model, "notes_", []), *_assumed(model, [recording.conditions.get("assumed", "")])]:
         message(f"note: {note}")
     for line in _determined(model, recording):
         click.echo(line)
+
+
+def _assumed(model: Any, notes: list[str]) -> list[str]:
+    """What the reader of a file had to assume of its times, for models to which they matter."""
+    return [] if getattr(model, "rate_independent", True) else [note for note in notes if note]
 
 
 def _tuned(cls: type[Any], recording: Any) -> Any:
@@ -370,6 +375,8 @@ def predict(model: Path, file: Path, out: Path, x: str | None, y: str | None, ti
 
     fitted = models.load(model)
     columns = read_columns(file, {"x": x or DEFAULT_X}, time=time)
+    for note in _assumed(fitted, columns.notes):
+        message(f"note: {note}")
     predicted = fitted.predict(columns["x"], **time_argument(fitted.predict, columns.time))
     write_recording(out, {columns.time_name: columns.time, x or DEFAULT_X: columns["x"], y or DEFAULT_Y: predicted})
     click.echo(str(out))
@@ -399,6 +406,8 @@ def invert(
 
     fitted = models.load(model)
     columns = read_columns(file, {"y": y or DEFAULT_Y}, time=time)
+    for note in _assumed(fitted, columns.notes):
+        message(f"note: {note}")
     times = time_argument(fitted.invert, columns.time)
     found = fitted.invert(columns["y"], x0=x0, approximate=approximate, **times)
     write_recording(out, {columns.time_name: columns.time, x or DEFAULT_X: found, y or DEFAULT_Y: columns["y"]})
