@@ -41,15 +41,15 @@ def _initial_state(capacity: int) -> Floats:
 
 
 @njit(cache=True)
-def _curve(x, pos, neg, stroke):
+def _curve(x, rising, curves, stroke):
     """A curve's value; outside the stroke it continues with its end slope, where its polynomial would explode."""
-    c = pos if x >= 0.0 else neg
+    row = (0 if rising else 2) + (0 if x >= 0.0 else 1)
     at = min(max(x, stroke[0]), stroke[1])
     value = 0.0
     slope = 0.0
-    for k in range(c.size - 1, -1, -1):
+    for k in range(curves.shape[1] - 1, -1, -1):
         slope = slope * at + value
-        value = value * at + c[k]
+        value = value * at + curves[row, k]
     return value + slope * (x - at) if x != at else value
 
 
@@ -61,51 +61,49 @@ def _line(x, to, slopes):
 
 
 @njit(cache=True)
-def _advance(x, state, params):
-    ascending_pos, ascending_neg, descending_pos, descending_neg, slopes, stroke = params
-    if state[_STARTED] == 0.0:
-        y = 0.5 * (_curve(x, ascending_pos, ascending_neg, stroke) + _curve(x, descending_pos, descending_neg, stroke))
-        state[_STARTED] = 1.0
-    elif x > state[_X]:
-        curve = _curve(x, ascending_pos, ascending_neg, stroke)
-        y = state[_Y] + _line(state[_X], x, slopes)
-        if state[_CURVE] == 1.0 or y >= curve:
-            y = curve
-            state[_CURVE] = 1.0
-        else:
-            state[_CURVE] = 0.0
-    elif x < state[_X]:
-        curve = _curve(x, descending_pos, descending_neg, stroke)
-        y = state[_Y] + _line(state[_X], x, slopes)
-        if state[_CURVE] == -1.0 or y <= curve:
-            y = curve
-            state[_CURVE] = -1.0
-        else:
-            state[_CURVE] = 0.0
-    else:
-        return state[_Y]
-    state[_X] = x
+def _run(x, state, params, out, on_curve):
+    # The state is held in local variables meanwhile: through the array each sample would cost many times as much.
+    curves, slopes, stroke = params
+    slope_pos, slope_neg = slopes
+    last = state[_X]
+    y = state[_Y]
+    followed = state[_CURVE]
+    started = state[_STARTED] != 0.0
+    for i in range(x.size):
+        now = x[i]
+        if not started:
+            started = True
+            y = 0.5 * (_curve(now, True, curves, stroke) + _curve(now, False, curves, stroke))
+            last = now
+        elif now != last:
+            direction = 1.0 if now > last else -1.0
+            curve = _curve(now, direction > 0.0, curves, stroke)
+            if followed != direction:
+                y += slope_pos * (max(now, 0.0) - max(last, 0.0)) + slope_neg * (min(now, 0.0) - min(last, 0.0))
+                followed = direction if direction * (y - curve) >= 0.0 else 0.0
+            if followed == direction:
+                y = curve
+            last = now
+        out[i] = y
+        on_curve[i] = followed
+    state[_X] = last
     state[_Y] = y
-    return y
+    state[_CURVE] = followed
+    state[_STARTED] = 1.0 if started else 0.0
 
 
 @njit(cache=True)
 def _step(x, state, params, commit):
-    return _advance(x, state if commit else state.copy(), params)
-
-
-@njit(cache=True)
-def _run(x, state, params, out, on_curve):
-    for i in range(x.size):
-        out[i] = _advance(x[i], state, params)
-        on_curve[i] = state[_CURVE]
+    one = np.full(1, x)
+    _run(one, state if commit else state.copy(), params, one, np.empty(1))
+    return one[0]
 
 
 @njit(cache=True)
 def _invert(y, first, state, params, out, reach):
     """Input for each output; returns the index of the first one not reached within ``reach``, or the length."""
-    ascending_pos, ascending_neg, descending_pos, descending_neg, slopes, stroke = params
-    _advance(first, state, params)
+    curves, slopes, stroke = params
+    _step(first, state, params, True)
     out[0] = first
     for i in range(1, y.size):
         target = y[i]
@@ -113,7 +111,6 @@ def _invert(y, first, state, params, out, reach):
         x = state[_X]
         if rise != 0.0:
             direction = 1.0 if rise > 0.0 else -1.0
-            pos, neg = (ascending_pos, ascending_neg) if rise > 0.0 else (descending_pos, descending_neg)
             on_line = state[_CURVE] != direction
             if on_line:
                 # Along the line, to zero with the present side's slope and on from there with the other one's.
@@ -125,27 +122,27 @@ def _invert(y, first, state, params, out, reach):
                         x += rise / (slopes[1] if direction > 0.0 else slopes[0])
                     else:
                         x = (rise - to_zero) / (slopes[0] if direction > 0.0 else slopes[1])
-                on_line = direction * (_curve(x, pos, neg, stroke) - target) >= 0.0
+                on_line = direction * (_curve(x, rise > 0.0, curves, stroke) - target) >= 0.0
             if not on_line:
                 # The curve comes first: its root lies further on.
                 low = x
                 step = 1e-3 * reach
                 high = low + direction * step
-                while direction * (_curve(high, pos, neg, stroke) - target) < 0.0 and abs(high) < reach:
+                while direction * (_curve(high, rise > 0.0, curves, stroke) - target) < 0.0 and abs(high) < reach:
                     step *= 2.0
                     high = low + direction * step
-                if direction * (_curve(high, pos, neg, stroke) - target) < 0.0:
+                if direction * (_curve(high, rise > 0.0, curves, stroke) - target) < 0.0:
                     return i
                 for _ in range(200):
                     x = 0.5 * (low + high)
                     if x in (low, high):
                         break
-                    if direction * (_curve(x, pos, neg, stroke) - target) < 0.0:
+                    if direction * (_curve(x, rise > 0.0, curves, stroke) - target) < 0.0:
                         low = x
                     else:
                         high = x
                 x = high
-        if abs(x) > reach or abs(_advance(x, state, params) - target) > 1e-9 * (abs(target) + abs(rise)) + 1e-12:
+        if abs(x) > reach or abs(_step(x, state, params, True) - target) > 1e-9 * (abs(target) + abs(rise)) + 1e-12:
             return i
         out[i] = x
     return y.size
@@ -178,7 +175,14 @@ class ChoiBacklash(HysteresisModel):
     source: ClassVar[str] = "Choi et al. 2017, appendix 1, Eqs. 40-43"
     references: ClassVar[tuple[str, ...]] = ("choi2017",)
     search_grid: ClassVar[Mapping[str, Sequence[Any]]] = {"degree": (3, 5, 7)}
-    estimated: ClassVar[tuple[str, ...] | None] = ("ascending_pos", "ascending_neg", "descending_pos", "descending_neg", "slope_pos", "slope_neg")
+    estimated: ClassVar[tuple[str, ...] | None] = (
+        "ascending_pos",
+        "ascending_neg",
+        "descending_pos",
+        "descending_neg",
+        "slope_pos",
+        "slope_neg",
+    )
 
     def __init__(self, degree: int = 5, end_margin: float = 0.1) -> None:
         self.degree = degree
@@ -277,7 +281,7 @@ class ChoiBacklash(HysteresisModel):
 
     @staticmethod
     def _simulate(curves: dict[str, Any], slopes: Sequence[float], runs: Sequence[Run]) -> tuple[Floats, Floats]:
-        params = (*(curves[name] for name in CURVES), np.array(slopes), curves["stroke"])
+        params = _kernel_parameters(curves, slopes, curves["stroke"])
         outputs, states = [], []
         for run in runs:
             y, on_curve = np.empty_like(run.x), np.empty_like(run.x)
@@ -315,7 +319,7 @@ class ChoiBacklash(HysteresisModel):
     def _prepare(self) -> None:
         p = self.parameters_
         stroke = np.array([-np.inf, np.inf]) if p["stroke"] is None else p["stroke"]
-        self._params = (*(p[name] for name in CURVES), np.array([p["slope_pos"], p["slope_neg"]]), stroke)
+        self._params = _kernel_parameters(p, (p["slope_pos"], p["slope_neg"]), stroke)
 
     def _check_conditions(self) -> list[Condition]:
         p = self.parameters_
@@ -373,6 +377,14 @@ class ChoiBacklash(HysteresisModel):
             "ahead does not rise to it, or jumps over it at x = 0. "
             "Pass approximate=True (command line: --approximate) to take the nearest."
         )
+
+
+def _kernel_parameters(curves: dict[str, Any], slopes: Sequence[float], stroke: Floats) -> tuple[Any, ...]:
+    """The polynomials as rows of one table, in the order of ``CURVES``; the transition slopes; the stroke."""
+    table = np.zeros((len(CURVES), max(curves[name].size for name in CURVES)))
+    for row, name in enumerate(CURVES):
+        table[row, : curves[name].size] = curves[name]
+    return table, (float(slopes[0]), float(slopes[1])), stroke
 
 
 def _since_turn(x: Floats, dead_band: float) -> Floats:

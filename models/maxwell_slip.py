@@ -75,137 +75,164 @@ def _initial_state(capacity: int) -> Floats:
 
 
 @njit(cache=True)
-def _advance(x, state, params):
-    upper_x, upper_y, lower_x, lower_y, shape_pos, shape_neg, slopes = params
-    turned = False
-    if state[_STARTED] == 0.0:
-        # Midway between the curves, as the paper's start in A = G is on both.
-        y = 0.0
-        for q in range(2):
-            cx, cy = (upper_x, upper_y) if q == 0 else (lower_x, lower_y)
-            k = min(max(np.searchsorted(cx, x) - 1, 0), cx.size - 2)
-            y += 0.5 * (cy[k] + (x - cx[k]) * (cy[k + 1] - cy[k]) / (cx[k + 1] - cx[k]))
-        state[_STARTED] = 1.0
-        state[_X] = x
-        state[_Y] = y
-        state[_COUNT] = 1.0
-        state[_STACK] = x
-        state[_STACK + 1] = y
-        return y
-    if x == state[_X]:
-        return state[_Y]
-    direction = 1.0 if x > state[_X] else -1.0
-    cx, cy = (upper_x, upper_y) if direction > 0.0 else (lower_x, lower_y)
-    n = int(state[_COUNT])
-    if direction != state[_DIRECTION]:
-        if state[_DIRECTION] != 0.0:
-            state[_STACK + 2 * n] = state[_X]
-            state[_STACK + 2 * n + 1] = state[_Y]
-            n += 1
-        turned = n == 1
-        state[_DIRECTION] = direction
-    # Passing the turning point that the path aims at closes the minor loop and resumes the interrupted path.
-    while n >= 2 and direction * (x - state[_STACK + 2 * n - 4]) >= 0.0:
-        turned = n == 2
-        n = max(n - 2, 1)
-    at_x, at_y = state[_STACK + 2 * n - 2], state[_STACK + 2 * n - 1]
-    shape = shape_pos if at_x >= 0.0 else shape_neg
-    mean_slope = slopes[0] if at_x >= 0.0 else slopes[1]
-    if turned:
-        # The base transition from the turning point to the curve ahead: its gap, and its length by Eqs. 11-14.
-        k = min(max(np.searchsorted(cx, at_x) - 1, 0), cx.size - 2)
-        slope = (cy[k + 1] - cy[k]) / (cx[k + 1] - cx[k])
-        gap = direction * (cy[k] + (at_x - cx[k]) * slope - at_y)
-        length = 0.0
-        if abs(gap) <= 1e-12 * (cy[-1] - cy[0]):
-            gap = 0.0
-        elif gap > 0.0:
-            left = gap
-            at = at_x
-            while True:
-                # A turning point on a vertex belongs to the segment ahead.
-                if direction > 0.0:
-                    while k < cx.size - 2 and at >= cx[k + 1]:
-                        k += 1
-                    end = cx[k + 1] if k < cx.size - 2 else np.inf
-                else:
-                    while k > 0 and at <= cx[k]:
-                        k -= 1
-                    end = cx[k] if k > 0 else -np.inf
-                slope = (cy[k + 1] - cy[k]) / (cx[k + 1] - cx[k])
-                rate = max(mean_slope - slope, CLOSING * mean_slope)
-                stretch = abs(end - at)
-                if rate * stretch >= left:
-                    length += left / rate
-                    break
-                left -= rate * stretch
-                length += stretch
-                at = end
-        else:
-            # The curves cross here (the printed ones do near H): approach from beyond, slowly enough to keep rising.
-            steepest = 0.0
-            for q in range(shape.shape[1] - 1):
-                steepest = max(steepest, (shape[1, q + 1] - shape[1, q]) / (shape[0, q + 1] - shape[0, q]))
-            length = max(slopes[2 if at_x >= 0.0 else 3], -2.0 * gap * steepest / slopes[4])
-        state[_GAP] = gap
-        state[_LENGTH] = length
-    if n == 1 and abs(x - at_x) >= state[_LENGTH]:
-        n = 0
-    y = 0.0
-    closed = 0.0
-    if n >= 1:
-        length = state[_LENGTH] if n == 1 else abs(state[_STACK + 2 * n - 4] - at_x)
-        u = abs(x - at_x) / length
-        k = min(max(np.searchsorted(shape[0], u) - 1, 0), shape.shape[1] - 2)
-        closed = shape[1, k] + (u - shape[0, k]) * (shape[1, k + 1] - shape[1, k]) / (shape[0, k + 1] - shape[0, k])
-    if n >= 2:
-        y = at_y + closed * (state[_STACK + 2 * n - 3] - at_y)
-    else:
-        k = min(max(np.searchsorted(cx, x) - 1, 0), cx.size - 2)
-        y = cy[k] + (x - cx[k]) * (cy[k + 1] - cy[k]) / (cx[k + 1] - cx[k])
-        if n == 1:
-            y -= direction * state[_GAP] * (1.0 - closed)
-    state[_COUNT] = n
-    state[_X] = x
-    state[_Y] = y
-    return y
-
-
-@njit(cache=True)
-def _step(x, state, params, commit):
-    return _advance(x, state if commit else state.copy(), params)
+def _segment(x, vertices, k, first, final):
+    """Index k with vertices[k] < x <= vertices[k + 1], within first .. final − 1, walking on from a near guess."""
+    k = min(max(k, first), final - 1)
+    while k < final - 1 and x > vertices[k + 1]:
+        k += 1
+    while k > first and x <= vertices[k]:
+        k -= 1
+    return k
 
 
 @njit(cache=True)
 def _run(x, state, params, out):
+    # The state is held in local variables meanwhile, and both curves (and both shapes) lie in one array: arrays chosen
+    # or unpacked at each sample would cost many times as much.
+    vx, vy, lower_from, sx, sy, negative_from, slopes = params
+    started = state[_STARTED] != 0.0
+    n = int(state[_COUNT])
+    last = state[_X]
+    y = state[_Y]
+    direction = state[_DIRECTION]
+    total_gap = state[_GAP]
+    total_length = state[_LENGTH]
+    k = 0
+    q = 0
     for i in range(x.size):
-        out[i] = _advance(x[i], state, params)
+        now = x[i]
+        if not started:
+            # Midway between the curves, as the paper's start in A = G is on both.
+            y = 0.0
+            for side in range(2):
+                first, final = (0, lower_from - 1) if side == 0 else (lower_from, vx.size - 1)
+                k = _segment(now, vx, k, first, final)
+                y += 0.5 * (vy[k] + (now - vx[k]) * (vy[k + 1] - vy[k]) / (vx[k + 1] - vx[k]))
+            started = True
+            last = now
+            n = 1
+            state[_STACK] = now
+            state[_STACK + 1] = y
+            out[i] = y
+            continue
+        if now == last:
+            out[i] = y
+            continue
+        towards = 1.0 if now > last else -1.0
+        first, final = (0, lower_from - 1) if towards > 0.0 else (lower_from, vx.size - 1)
+        turned = False
+        if towards != direction:
+            if direction != 0.0:
+                state[_STACK + 2 * n] = last
+                state[_STACK + 2 * n + 1] = y
+                n += 1
+            turned = n == 1
+            direction = towards
+        # Passing the turning point that the path aims at closes the minor loop and resumes the interrupted path.
+        while n >= 2 and direction * (now - state[_STACK + 2 * n - 4]) >= 0.0:
+            turned = n == 2
+            n = max(n - 2, 1)
+        at_x = 0.0
+        at_y = 0.0
+        if n >= 1:
+            at_x = state[_STACK + 2 * n - 2]
+            at_y = state[_STACK + 2 * n - 1]
+        shape_from, shape_to = (0, negative_from - 1) if at_x >= 0.0 else (negative_from, sx.size - 1)
+        if turned:
+            # The base transition from the turning point to the curve ahead: its gap, and its length by Eqs. 11-14.
+            mean_slope = slopes[0] if at_x >= 0.0 else slopes[1]
+            k = _segment(at_x, vx, k, first, final)
+            slope = (vy[k + 1] - vy[k]) / (vx[k + 1] - vx[k])
+            gap = direction * (vy[k] + (at_x - vx[k]) * slope - at_y)
+            length = 0.0
+            if abs(gap) <= 1e-12 * (vy[final] - vy[first]):
+                gap = 0.0
+            elif gap > 0.0:
+                left = gap
+                at = at_x
+                while True:
+                    # A turning point on a vertex belongs to the segment ahead.
+                    if direction > 0.0:
+                        while k < final - 1 and at >= vx[k + 1]:
+                            k += 1
+                        end = vx[k + 1] if k < final - 1 else np.inf
+                    else:
+                        while k > first and at <= vx[k]:
+                            k -= 1
+                        end = vx[k] if k > first else -np.inf
+                    slope = (vy[k + 1] - vy[k]) / (vx[k + 1] - vx[k])
+                    rate = max(mean_slope - slope, CLOSING * mean_slope)
+                    stretch = abs(end - at)
+                    if rate * stretch >= left:
+                        length += left / rate
+                        break
+                    left -= rate * stretch
+                    length += stretch
+                    at = end
+            else:
+                # The curves cross here (the printed ones do near H): approach from beyond, slowly enough to keep rising.
+                steepest = 0.0
+                for p in range(shape_from, shape_to):
+                    steepest = max(steepest, (sy[p + 1] - sy[p]) / (sx[p + 1] - sx[p]))
+                length = max(slopes[2 if at_x >= 0.0 else 3], -2.0 * gap * steepest / slopes[4])
+            total_gap = gap
+            total_length = length
+        if n == 1 and abs(now - at_x) >= total_length:
+            n = 0
+        closed = 0.0
+        if n >= 1:
+            length = total_length if n == 1 else abs(state[_STACK + 2 * n - 4] - at_x)
+            u = abs(now - at_x) / length
+            q = _segment(u, sx, q, shape_from, shape_to)
+            closed = sy[q] + (u - sx[q]) * (sy[q + 1] - sy[q]) / (sx[q + 1] - sx[q])
+        if n >= 2:
+            y = at_y + closed * (state[_STACK + 2 * n - 3] - at_y)
+        else:
+            k = _segment(now, vx, k, first, final)
+            y = vy[k] + (now - vx[k]) * (vy[k + 1] - vy[k]) / (vx[k + 1] - vx[k])
+            if n == 1:
+                y -= direction * total_gap * (1.0 - closed)
+        last = now
+        out[i] = y
+    state[_STARTED] = 1.0 if started else 0.0
+    state[_COUNT] = n
+    state[_X] = last
+    state[_Y] = y
+    state[_DIRECTION] = direction
+    state[_GAP] = total_gap
+    state[_LENGTH] = total_length
+
+
+@njit(cache=True)
+def _step(x, state, params, commit):
+    one = np.full(1, x)
+    _run(one, state if commit else state.copy(), params, one)
+    return one[0]
 
 
 @njit(cache=True)
 def _next_vertex(state, params):
     """The next input, in the direction of motion, at which the current path bends (infinite where it never does)."""
-    upper_x, _upper_y, lower_x, _lower_y, shape_pos, shape_neg, _slopes = params
+    vx, _vy, lower_from, sx, _sy, negative_from, _slopes = params
     direction = state[_DIRECTION]
     x = state[_X]
     n = int(state[_COUNT])
     ahead = np.inf
     # A bend within rounding of the present input has been reached.
-    reached = 1e-13 * (upper_x[-1] - upper_x[0])
+    reached = 1e-13 * (vx[lower_from - 1] - vx[0])
     if n <= 1:
-        cx = upper_x if direction > 0.0 else lower_x
+        first, final = (0, lower_from - 1) if direction > 0.0 else (lower_from, vx.size - 1)
         # The end segments are continued, so the outer vertices are no bends.
-        for k in range(1, cx.size - 1):
-            distance = direction * (cx[k] - x)
+        for k in range(first + 1, final):
+            distance = direction * (vx[k] - x)
             if distance > reached:
                 ahead = min(ahead, distance)
     if n >= 1:
         at_x = state[_STACK + 2 * n - 2]
-        shape = shape_pos if at_x >= 0.0 else shape_neg
+        first, final = (0, negative_from - 1) if at_x >= 0.0 else (negative_from, sx.size - 1)
         length = state[_LENGTH] if n == 1 else abs(state[_STACK + 2 * n - 4] - at_x)
-        last = shape.shape[1] if n == 1 else shape.shape[1] - 1
-        for k in range(1, last):
-            distance = direction * (at_x - x) + shape[0, k] * length
+        for k in range(first + 1, final + 1 if n == 1 else final):
+            distance = direction * (at_x - x) + sx[k] * length
             if distance > reached:
                 ahead = min(ahead, distance)
     if n >= 2 and direction * (state[_STACK + 2 * n - 4] - x) <= ahead:
@@ -222,7 +249,7 @@ def _invert(y, state, params, out, reach):
     """
     for i in range(y.size):
         if i == 0:
-            _advance(out[0], state, params)
+            _step(out[0], state, params, True)
             continue
         target = y[i]
         while target != state[_Y]:
@@ -232,7 +259,7 @@ def _invert(y, state, params, out, reach):
                 # A short move makes the turn, so that the new path's vertices are known.
                 trial = state.copy()
                 nudge = x0 + direction * 1e-9 * reach
-                _advance(nudge, trial, params)
+                _step(nudge, trial, params, True)
                 x1 = _next_vertex(trial, params)
                 if x1 == nudge:
                     x1 = nudge + direction * 1e-9 * reach
@@ -243,20 +270,20 @@ def _invert(y, state, params, out, reach):
                 if direction * (x1 - x0) <= 0.0:
                     return i
             if abs(x1 - x0) <= 1e-13 * reach:
-                _advance(x1, state, params)
+                _step(x1, state, params, True)
                 continue
-            y1 = _advance(x1, state.copy(), params)
+            y1 = _step(x1, state.copy(), params, True)
             if direction * (y1 - y0) <= 0.0:
                 return i
             if direction * (target - y1) >= 0.0:
-                _advance(x1, state, params)
+                _step(x1, state, params, True)
                 if state[_Y] == y1 and target == y1:
                     break
                 continue
             x = x0 + (target - y0) * (x1 - x0) / (y1 - y0)
             if x == x0:
                 break
-            _advance(x, state, params)
+            _step(x, state, params, True)
             break
         out[i] = state[_X]
     return y.size
@@ -441,15 +468,21 @@ class MaxwellSlip(HysteresisModel):
             slopes.append(mean_slope)
             lengths.append(length)
         gentlest = min(np.min(np.diff(c[:, 1]) / np.diff(c[:, 0])) for c in (upper, lower))
+        self._curves = (*upper.T, *lower.T)
+        self._slopes = np.array([*slopes, *lengths, gentlest])
+        vertices, shape = np.vstack([upper, lower]), np.hstack(shapes)
         self._params = (
-            *(np.ascontiguousarray(column) for curve in (upper, lower) for column in curve.T),
-            *shapes,
-            np.array([*slopes, *lengths, gentlest]),
+            *(np.ascontiguousarray(column) for column in vertices.T),
+            upper.shape[0],
+            *(np.ascontiguousarray(row) for row in shape),
+            shapes[0].shape[1],
+            self._slopes,
         )
 
     def _check_conditions(self) -> list[Condition]:
         """The conditions of the model's ancestor (second source paper, Eqs. 14, 19, 20) on these curves."""
-        upper_x, upper_y, lower_x, lower_y, _, _, slopes = self._params
+        upper_x, upper_y, lower_x, lower_y = self._curves
+        slopes = self._slopes
         grid = np.union1d(upper_x, lower_x)
         ends = [self.parameters_[name][row, 0] for name in ("ascending", "descending") for row in (0, -1)]
         inside = grid[(grid >= min(ends)) & (grid <= max(ends))]
@@ -514,7 +547,7 @@ class MaxwellSlip(HysteresisModel):
         return KernelStepper(kernel, _initial_state, self._params)
 
     def _invert_run(self, y: Floats, x0: float, approximate: bool) -> Floats:
-        upper_x, upper_y, lower_x, lower_y = self._params[:4]
+        upper_x, upper_y, lower_x, lower_y = self._curves
         reach = 4.0 * max(abs(upper_x[0]), abs(upper_x[-1]))
         # The first sample lies midway between the curves, which both rise: exchange the axes of the middle curve.
         grid = np.union1d(np.union1d(upper_x, lower_x), [-reach, reach])
