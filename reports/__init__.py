@@ -4,6 +4,7 @@
 >>> render("hystbench-report")  # doctest: +SKIP
 """
 
+from .export import export, figure
 from .page import render
 
-__all__ = ["render"]
+__all__ = ["export", "figure", "render"]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +15,12 @@ from .. import __version__
 from ..bench.metrics import METRICS
 from ..bench.results import TASKS
 from ..files import write_text
-from . import figures, tables
+from . import tables
+from .advice import advice
+from .export import figure_makers, ranking_table, slug
+from .ranking import Ranking, rank_models
 from .run_directory import RunDirectory, read_run
+from .svg import Drawing
 
 __all__ = ["render"]
 
@@ -37,6 +43,8 @@ def render(run_dir: str | Path) -> Path:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    # A name as Python's shell takes it within double quotes, whatever is in it.
+    environment.filters["quoted"] = lambda name: re.sub(r'["$`]', lambda m: f"\\x{ord(m[0]):02x}", repr(name))
     page = environment.get_template("report.html.j2").render(_context(run))
     target = run.path / "report.html"
     write_text(target, page)
@@ -46,7 +54,8 @@ def render(run_dir: str | Path) -> Path:
 def _context(run: RunDirectory) -> dict[str, Any]:
     document = run.document
     total, done = document.get("cells_total", 0), document.get("cells_done", 0)
-    studied = [d for d in run.datasets if len(run.conditions(d)) > 1]
+    makers = figure_makers(run)
+    rankings = {task: ranking for task in TASKS if (ranking := rank_models(run, task)) is not None}
     status = run.table["status"].value_counts()
     part, absent = document.get("part"), document.get("parts_absent", [])
     told = []
@@ -66,8 +75,11 @@ def _context(run: RunDirectory) -> dict[str, Any]:
             (n, t, tables.order_statement(run, n)) for n in (4, 5) if (t := tables.paper_table(run, n)) is not None
         ],
         "metrics": METRICS,
-        "datasets": [_dataset(run, name) for name in run.datasets],
-        "noise_figure": Markup(figures.noise_study(run, studied)) if studied else "",
+        "datasets": [_dataset(run, name, makers) for name in run.datasets],
+        "rankings": [_ranking(run, task, ranking, makers) for task, ranking in rankings.items()],
+        "advice": advice(run, rankings),
+        "front": _figure(makers, "accuracy and cost"),
+        "noise_figure": _figure(makers, "noise study"),
         "reversals": tables.reversal_table(run),
         "compensation": tables.compensation_table(run),
         "timing": tables.timing_table(run),
@@ -90,15 +102,37 @@ def _verdict(run: RunDirectory) -> list[tuple[str, str]]:
     return told
 
 
-def _dataset(run: RunDirectory, name: str) -> dict[str, Any]:
+def _figure(makers: dict[str, Callable[[], Drawing | None]], name: str) -> dict[str, Any] | None:
+    drawing = makers[name]() if name in makers else None
+    return None if drawing is None else {"name": name, "file": slug(name), "svg": Markup(drawing.svg())}
+
+
+def _ranking(
+    run: RunDirectory, task: str, ranking: Ranking, makers: dict[str, Callable[[], Drawing | None]]
+) -> dict[str, Any]:
+    count = len(ranking.datasets)
+    told = "Intervals are the middle 95 % of a bootstrap over datasets and, in each, seeds; models share a place (=) unless the interval of their difference excludes 0."
+    if count < 2:
+        told = "One dataset tells nothing of others: the order is that of its errors, without an interval."
+    elif ranking.p == ranking.p:
+        told += f" Friedman's test that all rank alike: p = {tables.number(ranking.p, 2)}."
+    return {
+        "title": tables.TASK_TITLES[task],
+        "table": ranking_table(run, task),
+        "figure": _figure(makers, f"ranking {task}"),
+        "told": told,
+    }
+
+
+def _dataset(run: RunDirectory, name: str, makers: dict[str, Callable[[], Drawing | None]]) -> dict[str, Any]:
     return {
         "id": name,
         "info": run.dataset(name),
         "condition": run.reference_condition(name),
         "table": tables.dataset_table(run, name),
         "recordings": tables.recording_table(run, name),
-        "loops": Markup(figures.loops(run, name)),
-        "errors": Markup(figures.errors_over_time(run, name)),
+        "loops": _figure(makers, f"loops {name}"),
+        "errors": _figure(makers, f"errors {name}"),
         "hash": run.document.get("data", {}).get(name, {}).get("sha256", ""),
     }
 

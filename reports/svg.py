@@ -5,7 +5,9 @@ from __future__ import annotations
 import hashlib
 import io
 import re
+from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
@@ -14,7 +16,9 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-__all__ = ["COLOURS", "DASHES", "INK", "MARKERS", "MEASURED", "STYLE", "canvas", "extremes", "svg", "thin"]
+from ..files import replacing
+
+__all__ = ["COLOURS", "DASHES", "INK", "MARKERS", "MEASURED", "STYLE", "Drawing", "canvas", "extremes", "svg", "thin"]
 
 Floats = NDArray[np.float64]
 # Okabe and Ito's colours, told apart by the colour-blind and readable on white and on black; never the only mark.
@@ -89,6 +93,27 @@ def svg(figure: Figure, name: str, description: str) -> str:
         text,
         count=1,
     )
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A finished figure, its name (unique on a page) and what it shows, for those who cannot see it."""
+
+    figure: Figure
+    name: str
+    description: str
+
+    def svg(self) -> str:
+        """As an inline SVG element."""
+        return svg(self.figure, self.name, self.description)
+
+    def save(self, path: str | Path) -> None:
+        """As a file of its own, in the format of its suffix, with the text in black and the same bytes every time."""
+        path = Path(path)
+        metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(path.suffix, {"Software": None})
+        white = {"facecolor": "white"} if path.suffix == ".png" else {}
+        with mpl.rc_context({**STYLE, "svg.hashsalt": self.name, "pdf.fonttype": 42}), replacing(path) as temporary:
+            self.figure.savefig(temporary, dpi=200, metadata=metadata, **white)
 
 
 def _escape(text: str) -> str:

@@ -177,10 +177,19 @@ def test_in_a_browser_nothing_overflows_and_tables_sort(run: Path, tmp_path: Pat
         var page = frame.contentDocument, head = page.querySelectorAll("#headline-1 thead button")[1];
         function column() { return Array.from(page.querySelectorAll("#headline-1 tbody tr"), function (r) { return parseFloat(r.children[1].dataset.sort); }); }
         head.click(); var up = column(); head.click(); var down = column();
+        var stage = page.querySelector("figure.view .stage"), drawing = stage.querySelector("svg");
+        function size() { return drawing.getAttribute("viewBox").split(" ").map(Number); }
+        function press(key) { stage.dispatchEvent(new frame.contentWindow.KeyboardEvent("keydown", {key: key, bubbles: true})); }
+        var sizes = [size()]; ["+", "ArrowRight", "0"].forEach(function (key) { press(key); sizes.push(size()); });
+        page.querySelector("figure.view button").click(); sizes.push(size());
+        var saved = [];
+        frame.contentWindow.HTMLAnchorElement.prototype.click = function () { saved.push(this.download + " " + this.href.slice(0, 5)); };
+        page.querySelectorAll("figure.view .tools")[0].querySelectorAll("button").forEach(function (b) { if (b.textContent === "SVG") { b.click(); } });
         document.body.insertAdjacentHTML("beforeend", "<pre id=found></pre>");
         document.getElementById("found").textContent = JSON.stringify({
           overflow: page.documentElement.scrollWidth - page.documentElement.clientWidth, up: up, down: down,
-          sort: head.closest("th").getAttribute("aria-sort"), errors: errors});
+          sort: head.closest("th").getAttribute("aria-sort"), errors: errors, sizes: sizes, saved: saved,
+          focusable: stage.tabIndex, unnamed: Array.from(page.querySelectorAll("button")).filter(function (b) { return !(b.getAttribute("aria-label") || b.textContent).trim(); }).length});
       };
       document.body.appendChild(frame);
     });
@@ -209,3 +218,11 @@ def test_in_a_browser_nothing_overflows_and_tables_sort(run: Path, tmp_path: Pat
     assert state["up"] == sorted(state["up"])
     assert state["down"] == sorted(state["up"], reverse=True)
     assert state["sort"] == "descending"
+    whole, zoomed, moved, back, clicked = state["sizes"]
+    assert zoomed[2] == pytest.approx(whole[2] / 1.5)
+    assert moved[0] == pytest.approx(zoomed[0] + 0.1 * zoomed[2])
+    assert back == whole
+    assert clicked == pytest.approx(zoomed)
+    assert state["saved"] == ["ranking-forward.svg blob:"]
+    assert state["focusable"] == 0
+    assert state["unnamed"] == 0
