@@ -23,8 +23,8 @@ from ..datasets import Dataset, Recording, concatenate
 from ..errors import InputError
 from .arguments import interval_arguments, time_argument
 from .conditions import Conditioned, apply
-from .isolation import restored_process_state
-from .limits import CellTimeoutError, time_limit
+from .isolation import no_other_processes, restored_process_state
+from .limits import CellTimeoutError, memory_limit, time_limit
 from .metrics import METRIC_VERSION, score
 from .results import METRIC_COLUMNS, TASKS, TIME_COLUMNS, plain, write_cell
 from .session import session_id
@@ -35,6 +35,9 @@ __all__ = ["CellSpec", "data_hash", "fallback_cell", "run_cell"]
 Floats = NDArray[np.float64]
 STEP_BLOCK = 256
 """Samples of one timed call of the stepper: a single step is too short to time and may hit a special case."""
+
+MEMORY_LIMIT = 4.0
+"""GiB that a cell may take; ten times what any built-in model needs."""
 
 PACKAGES = ("hystbench", "numpy", "scipy", "numba", "filterpy")
 
@@ -51,6 +54,7 @@ class CellSpec:
     keep_arrays: bool
     time_limit: float
     timing_time: float
+    memory_limit: float = MEMORY_LIMIT
 
     @property
     def key(self) -> str:
@@ -62,7 +66,7 @@ class CellSpec:
             "hyperparameters": repr(cls().get_params()) if hasattr(cls, "get_params") else None,
             "metrics": METRIC_VERSION,
             "packages": _packages(),
-            **{k: v for k, v in asdict(self).items() if k not in ("timing_time", "time_limit")},
+            **{k: v for k, v in asdict(self).items() if k not in ("timing_time", "time_limit", "memory_limit")},
         }
         return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()[:24]
 
@@ -158,13 +162,20 @@ def run_cell(spec: CellSpec, folder: Path) -> dict[str, Any]:
     arrays: dict[str, NDArray[Any]] = {}
     marker = folder / f".{spec.key}.started"
     marker.touch()
+    start, cpu = time.perf_counter(), time.process_time()
     try:
-        with restored_process_state(), time_limit(spec.time_limit):
+        with (
+            no_other_processes(),
+            restored_process_state(),
+            time_limit(spec.time_limit),
+            memory_limit(spec.memory_limit),
+        ):
             _fill(cell, arrays, spec)
     except CellTimeoutError:
         _finish(cell, "timeout", f"took longer than {spec.time_limit:g} s")
-    except (Exception, SystemExit) as error:  # whatever a model raises costs its own cell only
+    except BaseException as error:  # whatever a model raises costs its own cell only
         _finish(cell, "failed", _one_line(error))
+    cell["elapsed_s"], cell["cpu_s"] = time.perf_counter() - start, time.process_time() - cpu
     for row in cell["rows"]:
         row.update({column: cell["timing"].get(column, np.nan) for column in TIME_COLUMNS})
     write_cell(folder, cell, arrays if spec.keep_arrays else {})
@@ -207,7 +218,8 @@ def _finish(cell: dict[str, Any], status: str, message: str) -> None:
 
 
 def _one_line(error: BaseException) -> str:
-    return " ".join(f"{type(error).__name__}: {error}".split())[:400]
+    told = str(error) or ("more than a cell may take" if isinstance(error, MemoryError) else "no message")
+    return " ".join(f"{type(error).__name__}: {told}".split())[:400]
 
 
 def _fill(cell: dict[str, Any], arrays: dict[str, NDArray[Any]], spec: CellSpec) -> None:

@@ -17,7 +17,7 @@ from ..datasets import Dataset, DatasetUnavailableError
 from ..errors import InputError
 from ..files import write_text
 from ..plugins import BrokenPluginWarning
-from .cells import CellSpec, data_hash
+from .cells import MEMORY_LIMIT, CellSpec, data_hash
 from .conditions import conditions_for
 from .dask_backend import compute_on_dask
 from .local_backend import compute_here
@@ -72,7 +72,7 @@ def plan_run(model_ids: Sequence[str] | None, dataset_ids: Sequence[str] | None,
     chosen = _chosen_models(model_ids)
     for name in chosen:
         models.get(name)
-    limit = _time_limit()
+    limit, memory = _limit("TIME", TIME_LIMIT, "seconds"), _limit("MEMORY", MEMORY_LIMIT, "GiB")
     seeds = list(SEEDS[:1] if quick else SEEDS)
     plan = Plan([], {}, {}, chosen, seeds)
     for registry in (models.registry, datasets.registry):
@@ -116,6 +116,7 @@ def plan_run(model_ids: Sequence[str] | None, dataset_ids: Sequence[str] | None,
                             plan.data[name],
                             keep_arrays=seed == seeds[0],
                             time_limit=limit,
+                            memory_limit=memory,
                             timing_time=QUICK_TIMING_TIME if quick else TIMING_TIME,
                         )
                     )
@@ -131,14 +132,16 @@ def _chosen_models(model_ids: Sequence[str] | None) -> list[str]:
     return models.ids() if list(model_ids) == ["all"] else list(dict.fromkeys(model_ids))
 
 
-def _time_limit() -> float:
-    text = os.environ.get("HYSTBENCH_TIME_LIMIT", str(TIME_LIMIT))
+def _limit(kind: str, default: float, unit: str) -> float:
+    """A cell's limit, from the environment variable that users set it by."""
+    name = f"HYSTBENCH_{kind}_LIMIT"
+    text = os.environ.get(name, str(default))
     try:
         limit = float(text)
     except ValueError:
         limit = 0.0
     if not 0.0 < limit < 1e6:
-        raise InputError(f"HYSTBENCH_TIME_LIMIT must be a positive number of seconds; it is {text!r}")
+        raise InputError(f"{name} must be a positive number of {unit}; it is {text!r}")
     return limit
 
 
@@ -169,8 +172,9 @@ def run(
     """
     folder = out / "cells"
     folder.mkdir(parents=True, exist_ok=True)
-    for marker in folder.glob(".*.started"):
-        marker.unlink(missing_ok=True)
+    # Marks and half-written files of a run that was killed.
+    for left in folder.glob(".*"):
+        left.unlink(missing_ok=True)
     specs = {spec.key: spec for spec in plan.cells}
     known = {} if fresh else read_cells(folder)
     cells: dict[str, dict[str, Any]] = {}

@@ -7,11 +7,13 @@ import subprocess
 from pathlib import Path
 
 import pandas as pd
+import psutil
 import pytest
 
 from sample_site import ROOT, hystbench, install_wheel
 
-MODELS = "sample-stop,sample-duck,sample-raises,sample-nan,sample-hangs,sample-exits,sample-messy"
+BAD = ("raises", "nan", "hangs", "exits", "leaks", "interrupts")
+MODELS = ",".join(f"sample-{name}" for name in ("stop", "duck", "messy", "forks", *BAD))
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +25,9 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def done(site: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, subprocess.CompletedProcess[str]]:
     folder = tmp_path_factory.mktemp("plugin-run")
     arguments = ("run", "--quick", "--datasets", "sample-loop", "--models", MODELS, "--out", "out")
-    return folder / "out", hystbench(*arguments, cwd=folder, site=site, HYSTBENCH_TIME_LIMIT="2")
+    return folder / "out", hystbench(
+        *arguments, cwd=folder, site=site, HYSTBENCH_TIME_LIMIT="8", HYSTBENCH_MEMORY_LIMIT="0.1"
+    )
 
 
 @pytest.fixture(scope="module")
@@ -71,15 +75,17 @@ def test_a_model_from_another_package_runs_in_the_benchmark(
     [
         ("sample-raises", "failed", "RuntimeError: no <b>idea</b> what to do"),
         ("sample-nan", "failed", "the prediction is nan at sample 0"),
-        ("sample-hangs", "timeout", "took longer than 2 s"),
+        ("sample-hangs", "timeout", "took longer than 8 s"),
         ("sample-exits", "failed", "its process died"),
+        ("sample-leaks", "failed", "MemoryError"),
+        ("sample-interrupts", "failed", "KeyboardInterrupt"),
     ],
 )
 def test_a_bad_model_costs_its_own_cells_only(model: str, status: str, reason: str, forward: pd.DataFrame) -> None:
     for condition in ("clean", "kalman"):
         assert forward.loc[(model, condition), "status"] == status
         assert reason in forward.loc[(model, condition), "message"]
-    good = forward.drop(index=["sample-raises", "sample-nan", "sample-hangs", "sample-exits"], level="model")
+    good = forward.drop(index=[f"sample-{name}" for name in BAD], level="model")
     assert (good["status"] == "ok").all()
 
 
@@ -89,6 +95,16 @@ def test_what_a_model_does_to_its_process_does_not_reach_others(
     # It spoils its inputs, prints, and changes NumPy's state and the working directory.
     assert forward.loc[("sample-messy", "clean"), "nrmse"] == forward.loc[("sample-duck", "clean"), "nrmse"]
     assert done[1].stdout == "out/report.html\n"
+    assert "written by a model" in done[1].stderr
+
+
+def test_processes_that_a_model_forks_end_with_its_cell(
+    done: tuple[Path, subprocess.CompletedProcess[str]], forward: pd.DataFrame
+) -> None:
+    assert forward.loc[("sample-forks", "clean"), "nrmse"] == forward.loc[("sample-duck", "clean"), "nrmse"]
+    # They would carry the site of this run in their environment.
+    left = [p for p in psutil.process_iter(["environ"]) if str(done[0].parent) in str(p.info["environ"])]
+    assert left == []
 
 
 def test_names_and_messages_from_plugins_are_escaped_in_the_report(

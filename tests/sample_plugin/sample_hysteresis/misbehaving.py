@@ -2,6 +2,7 @@
 
 import os
 import time
+from typing import ClassVar
 
 import numpy as np
 
@@ -45,12 +46,42 @@ class Messy(Duck):
 
     def fit(self, x, y, groups=None):
         print("printed by a model")
+        os.write(1, b"written by a model\n")
         super().fit(x, y, groups)
         np.seterr(all="raise")
         np.random.seed(1)  # noqa: NPY002
         os.chdir("/")
         x[:] = 0.0
         return self
+
+
+class Leaks(Duck):
+    """Takes memory without end and never gives it back."""
+
+    hoard: ClassVar[list] = []
+
+    def fit(self, x, y, groups=None):
+        while len(x) > SHORT:
+            self.hoard.append(np.ones(500_000))
+        return super().fit(x, y, groups)
+
+
+class Forks(Duck):
+    """Leaves a process that sleeps behind, and one that goes on as if it were the first."""
+
+    def fit(self, x, y, groups=None):
+        if len(x) > SHORT:
+            if os.fork() == 0:
+                time.sleep(600)
+            os.fork()
+        return super().fit(x, y, groups)
+
+
+class Interrupts(Duck):
+    def fit(self, x, y, groups=None):
+        if len(x) > SHORT:
+            raise KeyboardInterrupt
+        return super().fit(x, y, groups)
 
 
 class Incomplete:

@@ -1,0 +1,63 @@
+"""What a run costs beside its cells: `python tests/benchmarks/sweep_overhead.py [CELLS]`, 10,000 by default.
+
+The cells are the smallest that `hystbench run` makes: the cheapest model on one clean loop, timed as briefly as --quick
+times. Overhead is the share of the processes' time that went to anything but computing cells: starting and feeding the
+processes, keys, and writing each finished cell at once, so that a killed run loses none.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from hystbench import datasets, models
+from hystbench.bench import cells, run
+from hystbench.bench.cells import CellSpec
+
+JOBS = 2
+
+
+def sweep(count: int) -> dict[str, float]:
+    """Measure one run of ``count`` cells of the fastest built-in model on the built-in loop with the fewest samples."""
+    name, condition = "vsa-published", "clean"
+    dataset = datasets.get(name)().load()
+    digest = cells.data_hash(dataset)
+    specs = [
+        CellSpec(
+            "linear" if "linear" in models.ids() else "cubic",
+            name,
+            condition,
+            seed,
+            digest,
+            False,
+            60.0,
+            run.QUICK_TIMING_TIME,
+        )
+        for seed in range(count)
+    ]
+    plan = run.Plan(specs, {name: dataset}, {name: digest}, [specs[0].model], list(range(count)))
+    with tempfile.TemporaryDirectory() as folder:
+        arrived = [time.perf_counter()]
+        run.run(plan, Path(folder), JOBS, True, ["sweep"], lambda cell: arrived.append(time.perf_counter()))
+        end = time.perf_counter()
+        computed = [json.loads(path.read_text())["elapsed_s"] for path in Path(folder, "cells").glob("*.json")]
+    return {
+        "cells": count,
+        "wall_s": end - arrived[0],
+        "start_s": arrived[1] - arrived[0],
+        "end_s": end - arrived[-1],
+        "cell_ms": 1e3 * float(np.median(computed)),
+        "overhead": 1.0 - sum(computed) / (JOBS * (end - arrived[0])),
+    }
+
+
+if __name__ == "__main__":
+    os.environ.update({"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"})
+    for key, value in sweep(int(sys.argv[1]) if len(sys.argv) > 1 else 10_000).items():
+        print(f"{key:<10}{value:.4g}")

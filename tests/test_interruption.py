@@ -1,0 +1,92 @@
+"""A run that is interrupted, or whose disk is full, says so in one line and is finished by the same command."""
+
+from __future__ import annotations
+
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from hystbench.bench.cli import cli
+from hystbench.bench.console import execute
+
+TIMES = ["fit_s", "predict_ns_per_sample", "step_ns"]
+SMALL = ["run", "--quick", "--models", "cubic,prandtl-ishlinskii,preisach", "--datasets", "vsa-minor-loops"]
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
+    out = tmp_path_factory.mktemp("whole") / "out"
+    assert execute(cli, [*SMALL, "--out", str(out), "--jobs", "2"]) == 0
+    return results(out)
+
+
+def results(out: Path) -> pd.DataFrame:
+    return pd.read_parquet(out / "results.parquet").drop(columns=TIMES)
+
+
+def start(out: Path, **more: object) -> subprocess.Popen[str]:
+    command = [sys.executable, "-m", "hystbench", *SMALL, "--out", str(out), "--jobs", "2"]
+    return subprocess.Popen(
+        command,
+        cwd=out.parent,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        **more,
+    )  # type: ignore[call-overload]
+
+
+def is_finished_by_the_same_command(out: Path, whole: pd.DataFrame) -> None:
+    kept = {path.name: path.stat().st_mtime_ns for path in out.glob("cells/*.json")}
+    assert execute(cli, ["report", str(out)]) == (0 if kept else 2)
+    if kept:
+        assert "This run is incomplete" in (out / "report.html").read_text()
+    assert execute(cli, [*SMALL, "--out", str(out), "--jobs", "2"]) == 0
+    assert "This run is incomplete" not in (out / "report.html").read_text()
+    assert kept.items() <= {path.name: path.stat().st_mtime_ns for path in out.glob("cells/*.json")}.items()
+    pd.testing.assert_frame_equal(results(out), whole)
+    assert not list(out.glob("cells/.*"))
+
+
+def test_ctrl_c_ends_every_process_and_leaves_what_is_finished(whole: pd.DataFrame, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    process = start(out)
+    deadline = time.monotonic() + 120
+    while not list(out.glob("cells/*.json")):
+        assert time.monotonic() < deadline
+        assert process.poll() is None
+        time.sleep(0.01)
+    # A terminal sends it to all processes of the group.
+    os.killpg(process.pid, signal.SIGINT)
+    told, err = process.communicate(timeout=60)
+    assert process.returncode == 130, err
+    assert told == ""
+    assert err.split("\n") == ["", "hystbench: interrupted", ""]  # after the terminal's ^C
+    deadline = time.monotonic() + 30
+    with pytest.raises(ProcessLookupError):
+        while time.monotonic() < deadline:
+            os.killpg(process.pid, 0)
+            time.sleep(0.05)
+    is_finished_by_the_same_command(out, whole)
+
+
+def test_a_full_disk_is_told_in_one_line_and_blamed_on_no_model(whole: pd.DataFrame, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    # No file may outgrow this: the arrays of a cell do, its figures do not.
+    process = start(out, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, 30_000)))
+    told, err = process.communicate(timeout=240)
+    assert process.returncode == 2, err
+    assert told == ""
+    assert err.count("\n") == 1
+    assert "File too large" in err
+    assert "free space" in err
+    assert not list(out.glob("cells/*.npz"))
+    is_finished_by_the_same_command(out, whole)
