@@ -321,7 +321,7 @@ class Preisach(HysteresisModel):
         penalty = np.vstack([_roughness(alpha, beta), np.sqrt(RIDGE) * np.eye(alpha.size)])
         stacked = np.vstack([centred, np.sqrt(self.smoothing * target.size) * penalty])
         wanted = np.concatenate([target - level, np.zeros(penalty.shape[0])])
-        triangle = np.linalg.qr(np.column_stack([stacked, wanted]), mode="r")
+        triangle: Floats = np.asarray(np.linalg.qr(np.column_stack([stacked, wanted]), mode="r"))
         factor, rotated = triangle[:-1, :-1], triangle[:-1, -1]
         if signs == "free":
             weights = np.linalg.lstsq(factor, rotated, rcond=None)[0]
@@ -451,8 +451,10 @@ def _common_points(low: Floats, high: Floats) -> Floats:
         sides = np.concatenate([np.column_stack([-ones, -rank, ones]), np.column_stack([ones, rank, ones])])
         limits = np.concatenate([-left, right])
         found = linprog([0.0, 0.0, -1.0], A_ub=sides, b_ub=limits, bounds=[(None, None), (0.0, None), (None, None)])
-        if found.success and found.x[2] >= 0.0:
-            return found.x[0] + rank * found.x[1]
+        if found.success:
+            first, spacing, room = np.asarray(found.x).tolist()
+            if room >= 0.0:
+                return first + rank * spacing
     return 0.5 * (left + right)
 
 
