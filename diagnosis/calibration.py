@@ -15,7 +15,20 @@ INPUTS = (
     "bias", "no gap", "unknown", "miscalibration alone", "miscalibration beside", "further effects",
     "log margin", "left over", "left over of unknown", "small gap", "gain beside others", "widening",
 )  # fmt: skip
-CONFIDENCE: dict[str, float] = dict.fromkeys(INPUTS, 0.0) | {"bias": 2.0}
+CONFIDENCE: dict[str, float] = {
+    "bias": 3.041,
+    "no gap": 0.908,
+    "unknown": -3.773,
+    "miscalibration alone": -2.503,
+    "miscalibration beside": -0.544,
+    "further effects": -1.284,
+    "log margin": 0.815,
+    "left over": -1.668,
+    "left over of unknown": 1.64,
+    "small gap": 0.875,
+    "gain beside others": -0.946,
+    "widening": -2.161,
+}
 """Weight of each input."""
 
 
@@ -23,7 +36,7 @@ def inputs(verdict: Sequence[str], features: Mapping[str, float]) -> dict[str, f
     """What the confidence depends on, each of order one."""
     named = set(verdict) - {"miscalibration", "unknown"}
     unknown, nothing = list(verdict) == ["unknown"], not verdict
-    # Structure left over against what an inexact law is forgiven (see verdict.py).
+    # Structure left over, in noise, against what grows with the gap as an inexact law's does.
     left = min(features["in_sample_left"] / (0.45 + 0.04 * features["gap"]), 3.0)
     return {
         "bias": 1.0,

@@ -206,9 +206,14 @@ def _inadequate(features: dict[str, float]) -> bool:
     ):
         # Effects that widen the gap until the simulator is bent to meet them explain nothing.
         return True
-    return features["in_sample_left"] > 0.45 + 0.04 * features["gap"] or (
+    return features["in_sample_left"] > forgiven(features["gap"]) or (
         features["closed"] < 0.5 and features["gap"] > 1.2
     )
+
+
+def forgiven(gap: float) -> float:
+    """Structure, over the noise, that an inexact law may leave of a gap of ``gap`` times the noise."""
+    return max(0.45 + 0.04 * gap, 0.09 * gap)
 
 
 def _left_over(evidence: Evidence, hypothesis: Hypothesis) -> Floats:

@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from joblib import Parallel, delayed
+from rich.console import Console
+from rich.progress import Progress
 
 from ...datasets.recording_files import DEFAULT_TIME, DEFAULT_X, DEFAULT_Y, write_recording
 from ...errors import InputError
@@ -45,8 +47,15 @@ def check(out: Path, seeds: int = 1, jobs: int | None = None, quick: bool = Fals
     began = time.perf_counter()
     cases = bank(TEST_PLANTS, seeds, FIRST_SEED, QUICK_EVERY if quick else 1)
     tasks = seal(cases, out, workers)
-    with Parallel(n_jobs=workers) as parallel:
-        verdicts = parallel(delayed(diagnose_blind)(out, task) for task in tasks)
+    verdicts = []
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+        bar = progress.add_task("diagnoses", total=len(tasks))
+        for record in Parallel(n_jobs=workers, return_as="generator")(
+            delayed(diagnose_blind)(out, task) for task in tasks
+        ):
+            verdicts.append(record)
+            progress.advance(bar)
     write_text(out / "verdicts.json", json.dumps(verdicts, indent=1) + "\n")
     labels = unseal(out)
     scores = score(verdicts, labels)
