@@ -328,7 +328,7 @@ class Preisach(HysteresisModel):
         else:
             weights = nnls(factor, rotated, maxiter=30 * alpha.size)[0]
         weights = weights * sign
-        return weights, level - float(mean @ weights)
+        return np.asarray(weights, dtype=float), level - float(mean @ weights)
 
     # ---- parameters ------------------------------------------------------------------------------------------------
 
