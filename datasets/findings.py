@@ -26,6 +26,7 @@ NO_LOOP = 0.005
 
 SYMMETRIC = 0.05
 CROSSING = 0.1
+PINCHED = 0.7
 STEPS_IN_RANGE = 256
 SAMPLES_IN_HALF_CYCLE = 20
 
@@ -197,8 +198,12 @@ def _loops(found: Inspection, x_unit: str, y_unit: str) -> list[Finding]:
         told.append(Finding("sense", "warn" if mixed else "good", text))
         crossing = float(np.mean([loop.crossing for loop in main]))
         if crossing > CROSSING:
-            text = f"branches cross: {crossing:.0%} of the area runs the other way round (pinching or butterfly)"
+            text = f"branches cross: {crossing:.0%} of the area runs the other way round (a butterfly)"
             told.append(Finding("crossing", "warn", text))
+        waist = float(np.mean([loop.waist for loop in main]))
+        if crossing <= CROSSING and waist < PINCHED:
+            text = f"the loop is {waist:.0%} as wide in its middle as towards its ends"
+            told.append(Finding("pinching", "warn", text))
         asymmetry = float(np.mean([loop.asymmetry for loop in main]))
         text = f"branches differ by {asymmetry:.1%} of the output range from being turned by half a turn"
         told.append(Finding("symmetry", "note" if asymmetry > SYMMETRIC else "good", text))
@@ -291,14 +296,14 @@ ASSUMES = {
     "elastic": ("no memory",),
     "cubic": ("one amplitude",),
     "choi-backlash": ("closing",),
-    "bouc-wen": ("symmetry", "one sense"),
+    "bouc-wen": ("symmetry", "one sense", "no waist"),
     "bouc-wen-baber-noori": ("one sense",),
-    "dahl": ("symmetry", "one sense"),
+    "dahl": ("symmetry", "one sense", "no waist"),
     "duhem": ("one sense",),
-    "lugre": ("symmetry", "one sense"),
-    "prandtl-ishlinskii": ("symmetry", "one sense", "wiping-out", "congruency", "closing"),
+    "lugre": ("symmetry", "one sense", "no waist"),
+    "prandtl-ishlinskii": ("symmetry", "one sense", "no waist", "wiping-out", "congruency", "closing"),
     "modified-prandtl-ishlinskii": ("one sense", "wiping-out", "closing"),
-    "generalized-maxwell-slip": ("symmetry", "one sense"),
+    "generalized-maxwell-slip": ("symmetry", "one sense", "no waist"),
     "maxwell-slip": ("one sense", "wiping-out", "closing"),
     "preisach": ("wiping-out", "congruency", "closing"),
 }
@@ -323,23 +328,29 @@ def _judge(found: Inspection, name: str, cls: Any) -> Applicability:
             return Applicability(name, "yes", "no loop beyond the noise was found")
         return Applicability(name, "no", "it has no memory, and there is a loop")
     broken = [what for word, holds, what in _conditions(found, main, flat) if word in assumed and not holds]
-    if getattr(cls, "rate_independent", True) and _depends_on_rate(found):
+    still = getattr(cls, "rate_independent", True)
+    if still and _depends_on_rate(found):
         broken.append("the loops depend on the rate, which it cannot follow")
     if broken:
         return Applicability(name, "partly", "; ".join(broken))
-    return Applicability(name, "yes", "nothing found speaks against it")
+    tests = {"wiping-out": found.wiping_out, "congruency": found.congruency, "closing": found.drift}
+    untested = [word for word, estimate in tests.items() if word in assumed and estimate is None]
+    untested += ["rate"] if still and found.rate_width is None else []
+    why = "nothing found speaks against it"
+    return Applicability(name, "yes", f"{why}; not tested: {', '.join(untested)}" if untested else why)
 
 
 def _conditions(found: Inspection, main: Sequence[Loop], flat: bool) -> list[tuple[str, bool, str]]:
     """What models may assume: the word, whether it holds as far as the recording tells, and what to say if not."""
     inner = found.coverage.swings[1:-1] if found.coverage.swings.size > 2 else found.coverage.swings
-    mean = {
-        key: float(np.mean([getattr(loop, key) for loop in main])) if main else 0.0 for key in ("asymmetry", "crossing")
-    }
+    mean = {}
+    for key in ("asymmetry", "crossing", "waist"):
+        mean[key] = float(np.mean([getattr(loop, key) for loop in main])) if main else 0.0
     drifting = _matters(found.drift) or _matters(found.softening) or _matters(found.narrowing)
     return [
         ("symmetry", flat or mean["asymmetry"] <= SYMMETRIC, "it makes symmetric loops only, these are not"),
         ("one sense", flat or mean["crossing"] <= CROSSING, "the branches cross, its own do not"),
+        ("no waist", flat or mean["waist"] >= PINCHED, "the loops are pinched, which it follows poorly"),
         (
             "one amplitude",
             _levels(inner, 0.05 * found.x.span) == 1,

@@ -179,6 +179,14 @@ class Loop:
         return float(parts.min() / parts.sum()) if parts.sum() > 0.0 else 0.0
 
     @property
+    def waist(self) -> float:
+        """Mean distance of the branches over the middle third of the input over that of the outer thirds."""
+        apart = np.abs(self.down - self.up)
+        third = BINS // 3
+        outer = float(np.concatenate([apart[:third], apart[-third:]]).mean())
+        return float(apart[third:-third].mean()) / max(outer, 1e-300)
+
+    @property
     def asymmetry(self) -> float:
         """RMS difference of the rising branch and the falling one turned by half a turn, over the loop's output range."""
         both = np.concatenate([self.up, self.down])

@@ -151,6 +151,18 @@ def test_branches_that_cross_are_told() -> None:
     assert "crossing" not in told(CYCLES, stops(CYCLES))
 
 
+def test_pinching_is_told() -> None:
+    x = np.sin(2.0 * np.pi * np.arange(4000) / 500.0)
+    y = 2.0 * x**3 + 0.15 * np.sign(np.gradient(x)) * x**2 * (1.0 - x**8)
+    lines = told(x, y)
+    assert lines["pinching"].judged == "warn"
+    assert "crossing" not in lines
+    pinched = judged(inspect_recording(recording(x, y)))
+    assert pinched["bouc-wen"] == pinched["prandtl-ishlinskii"] == "partly"
+    assert pinched["bouc-wen-baber-noori"] == pinched["preisach"] == "yes"
+    assert "pinching" not in told(CYCLES, stops(CYCLES))
+
+
 def test_asymmetry_is_measured() -> None:
     y = stops(CYCLES)
     lines = told(CYCLES, y + 0.3 * np.maximum(CYCLES, 0.0))
@@ -281,6 +293,9 @@ def test_models_are_judged_by_what_they_take_for_granted() -> None:
     known = {"bouc-wen", "prandtl-ishlinskii", "preisach", "maxwell-slip", "cubic", "choi-backlash"}
     healthy = judged(inspect_recording(recording(CYCLES, stops(CYCLES))))
     assert {name for name in known if healthy[name] != "yes"} == set()
+    why = {one.model: one.why for one in applicable_models(inspect_recording(recording(CYCLES, stops(CYCLES))))}
+    assert why["preisach"].endswith("not tested: wiping-out, congruency, rate")
+    assert why["lugre"] == "nothing found speaks against it"
     nested = judged(inspect_recording(recording(NESTED, stops(NESTED))))
     assert nested["cubic"] == "partly"
     assert nested["preisach"] == "yes"
