@@ -22,7 +22,8 @@ from .verdict import MISCALIBRATION, UNKNOWN
 __all__ = ["CorrectedSimulator", "corrected_simulator", "formula"]
 
 Floats = NDArray[np.float64]
-ARRAYS = ("thresholds", "lengths", "elastic", "placed", "weights")
+ARRAYS = ("thresholds", "lengths", "elastic", "placed", "weights", "rates")
+NUMBERS = ("reach", "fast")
 
 
 class _CausalSignals(Signals):
@@ -82,11 +83,11 @@ class CorrectedSimulator(HysteresisModel):
             raise InputError("parameter base must hold model and parameters")
         if base.get("model") == "generalised":
             given = base["parameters"]
-            missing = [name for name in (*ARRAYS, "reach") if name not in given]
+            missing = [name for name in (*ARRAYS, *NUMBERS) if name not in given]
             if missing:
                 raise InputError(f"parameter base lacks {', '.join(missing)}")
             inner: dict[str, Any] = {name: parameter_array(name, given[name], (None,)).tolist() for name in ARRAYS}
-            inner["reach"] = parameter_number("reach", given["reach"])
+            inner |= {name: parameter_number(name, given[name]) for name in NUMBERS}
         else:
             made = models.get(str(base.get("model"))).from_parameters(**base["parameters"])
             inner = {name: _plain(value) for name, value in made.parameters_.items()}
@@ -109,11 +110,17 @@ class CorrectedSimulator(HysteresisModel):
         base = self.parameters_["base"]
         if base["model"] == "generalised":
             inner = {name: np.asarray(value) for name, value in base["parameters"].items()}
-            self._base = lambda x: predict_generalised(inner, x, [slice(0, x.size)])
+            self._base = lambda x: predict_generalised(inner, x, [slice(0, x.size)], *self._derivatives(x))
         else:
             model = models.get(base["model"]).from_parameters(**base["parameters"])
             self._base = lambda x: np.asarray(model.predict(x))
         self._effects = [(registry.get(entry["effect"])(), entry) for entry in self.parameters_["effects"]]
+
+    def _derivatives(self, x: Floats) -> tuple[Floats, Floats]:
+        """Speed and acceleration from samples up to each one."""
+        time = self.parameters_["interval"] * np.arange(x.size)
+        causal = _CausalSignals(time, x, x, x, [slice(0, x.size)], {})
+        return causal.speed, causal.acceleration
 
     def _predict_run(self, x: Floats) -> Floats:
         y = self._base(x)

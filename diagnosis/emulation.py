@@ -23,13 +23,15 @@ from scipy.optimize import nnls
 from .. import models
 from ..errors import InputError
 from .operators import bristle, plays
-from .signals import Signals
+from .signals import Signals, differentiate
 
 __all__ = ["Emulator", "Generalised", "SimulatorScene", "emulate", "predict_generalised"]
 
 Floats = NDArray[np.float64]
 ELEMENTS = 14
 BRISTLES = 5
+BIAS = 1e-5
+STEEPNESS = (0.02, 0.08, 0.3)
 DEGREE = 5
 # Registered models that compete with the built-in emulator, in seconds rather than minutes.
 COMPETITORS = ("prandtl-ishlinskii",)
@@ -133,8 +135,9 @@ class Generalised:
         self.reach = max(float(np.max(np.abs(signals.x))), 1e-300)
         self.thresholds = np.geomspace(0.004, 0.8, ELEMENTS) * self.reach
         self.lengths = np.geomspace(0.01, 0.4, BRISTLES) * self.reach
+        self.fast = max(float(np.std(signals.speed)), 1e-300)
         elastic, stops, placed = self._parts(signals.x)
-        rates = np.column_stack([signals.speed, signals.acceleration])
+        rates = self._rates()
         free = np.hstack([elastic, placed, rates])
         solution = _solve(free, stops, signals.y_sim)
         n_elastic, n_placed = elastic.shape[1], placed.shape[1]
@@ -144,22 +147,35 @@ class Generalised:
         self.weights = solution[free.shape[1] :]
         self.error = _relative_error(free @ solution[: free.shape[1]] + stops @ self.weights, signals.y_sim)
 
+    def _rates(self) -> Floats:
+        return _rates(self.signals.speed, self.signals.acceleration, self.fast)
+
     def parameters(self) -> dict[str, Floats | float]:
         """All that :func:`predict_generalised` needs."""
         return {
             "reach": self.reach, "thresholds": self.thresholds, "lengths": self.lengths, "elastic": self.elastic,
-            "placed": self.placed, "weights": self.weights,
+            "placed": self.placed, "weights": self.weights, "rates": self.rates, "fast": self.fast,
         }  # fmt: skip
 
     def _parts(self, x: Floats, scale: float = 1.0) -> tuple[Floats, Floats, Floats]:
         return _parts(x, self.signals.runs, self.reach, scale * self.thresholds, scale * self.lengths)
 
     def predict(self, x: Floats) -> Floats:
-        return predict_generalised(self.parameters(), x, self.signals.runs)
+        signals = self.signals
+        change = x - signals.x
+        speed, acceleration = signals.speed, signals.acceleration
+        if np.any(change):
+            # The change is far smoother than the measured input, so it may be differentiated as it is.
+            added = signals.per_run(lambda run: np.gradient(change[run], signals.time[run]))
+            speed = speed + added
+            acceleration = acceleration + signals.per_run(lambda run: np.gradient(added[run], signals.time[run]))
+        return predict_generalised(self.parameters(), x, signals.runs, speed, acceleration)
 
     def anew(self, x: Floats) -> Floats:
-        """Output over one new motion."""
-        return predict_generalised(self.parameters(), x, [slice(0, x.size)])
+        """Output over one new motion, sampled as the recordings are."""
+        time = self.signals.interval * np.arange(x.size)
+        _, speed, acceleration = differentiate(time, x)
+        return predict_generalised(self.parameters(), x, [slice(0, x.size)], speed, acceleration)
 
     def tangent(self) -> tuple[Floats, Floats]:
         """Columns (n, m) of structure and bulk, each the change for a relative error of one of some parameter."""
@@ -178,7 +194,7 @@ class Generalised:
         stretched = (self.predict((1.0 + small) * x) - self.predict((1.0 - small) * x)) / (2.0 * small)
         structure = np.hstack([stops * weights, (wider - narrower) * (weights / 0.1)])
         bulk = np.column_stack([
-            shapes, odd, even, width, stretched, self.signals.speed * self.rates[0], self.signals.acceleration * self.rates[1],
+            shapes, odd, even, width, stretched, self._rates() * self.rates,
         ])  # fmt: skip
         return structure, bulk
 
@@ -198,10 +214,23 @@ def _parts(
     return elastic, np.hstack([stops, signs]), placed
 
 
-def predict_generalised(parameters: Mapping[str, Any], x: Floats, runs: Sequence[slice]) -> Floats:
+def _rates(speed: Floats, acceleration: Floats, fast: float) -> Floats:
+    """What a simulator with friction of its own may know of speed: damping, inertia, a regularised sign."""
+    return np.column_stack([speed, acceleration, *(np.tanh(speed / (share * fast)) for share in STEEPNESS)])
+
+
+def predict_generalised(
+    parameters: Mapping[str, Any], x: Floats, runs: Sequence[slice], speed: Floats, acceleration: Floats
+) -> Floats:
     """Output of the built-in emulator, N·m, shape (n,), from the virgin state in each run."""
     elastic, elements, placed = _parts(x, runs, parameters["reach"], parameters["thresholds"], parameters["lengths"])
-    return elastic @ parameters["elastic"] + elements @ parameters["weights"] + placed @ parameters["placed"]
+    rates = _rates(speed, acceleration, float(parameters["fast"]))
+    return (
+        elastic @ parameters["elastic"]
+        + elements @ parameters["weights"]
+        + placed @ parameters["placed"]
+        + rates @ parameters["rates"]
+    )
 
 
 def _solve(free: Floats, bounded: Floats, target: Floats) -> Floats:
@@ -210,8 +239,10 @@ def _solve(free: Floats, bounded: Floats, target: Floats) -> Floats:
     scale = np.sqrt(np.mean(np.square(columns), axis=0))
     scale[scale == 0.0] = 1.0
     columns = columns / scale
-    # A ridge of a millionth keeps nearly equal columns from cancelling each other with huge weights.
-    ridge = np.sqrt(1e-6 * columns.shape[0]) * np.eye(columns.shape[1])
+    # A small ridge keeps nearly equal columns from cancelling each other with huge weights; it is larger on the elements
+    # with memory, so that what is elastic goes to the elastic curve and not to elements that hardly ever yield.
+    strength = np.concatenate([np.full(free.shape[1], 1e-7), np.full(bounded.shape[1], BIAS)])
+    ridge = np.diag(np.sqrt(strength * columns.shape[0]))
     stacked = np.column_stack([np.vstack([columns, ridge]), np.concatenate([target, np.zeros(columns.shape[1])])])
     triangle: Floats = np.asarray(np.linalg.qr(stacked, mode="r"))
     k = free.shape[1]

@@ -17,7 +17,7 @@ from scipy.signal import savgol_filter
 from ..models.motion import directions, noise_level, turning_points
 from .operators import bristle, lowpass, plays
 
-__all__ = ["COORDINATES", "Signals"]
+__all__ = ["COORDINATES", "Signals", "differentiate"]
 
 Floats = NDArray[np.float64]
 COORDINATES = (
@@ -75,7 +75,7 @@ class Signals:
 
     @cached_property
     def _motion(self) -> tuple[Floats, Floats, Floats]:
-        parts = [_differentiate(self.time[run], self.x[run]) for run in self.runs]
+        parts = [differentiate(self.time[run], self.x[run]) for run in self.runs]
         smooth, speed, acceleration = (np.concatenate(series) for series in zip(*parts, strict=True))
         return smooth, speed, acceleration
 
@@ -170,7 +170,7 @@ class Signals:
         return self.per_run(lambda run: self.time[run] - self.time[run][0])
 
 
-def _differentiate(time: Floats, x: Floats) -> tuple[Floats, Floats, Floats]:
+def differentiate(time: Floats, x: Floats) -> tuple[Floats, Floats, Floats]:
     """Smoothed deflection and its first two derivatives."""
     steps = np.diff(time)
     step = float(np.median(steps))

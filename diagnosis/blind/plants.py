@@ -109,6 +109,8 @@ class _Base:
     reach: float
     real: Callable[[Floats], Floats]
     simulated: Callable[[Floats], Floats]
+    clean_input: bool = False
+    """Whether the simulator is driven by the motion without the encoder's noise."""
 
 
 def _off(rng: np.random.Generator, error: float, size: int | None = None) -> Any:
@@ -151,6 +153,7 @@ def _bouc_wen_plant(rng: np.random.Generator, error: float) -> _Base:
         reach,
         lambda x: run(x, (stiffness, cubic, steep, strength)),
         lambda x: run(x, (stiffness * a, cubic * b, steep * c, strength * d)),
+        clean_input=True,
     )
 
 
@@ -381,10 +384,9 @@ def _deflection(j: _Joint, a: float, rng: np.random.Generator) -> None:
 
 def _asymmetry(j: _Joint, a: float, rng: np.random.Generator) -> None:
     side = rng.choice([-1.0, 1.0])
-    soft = 0.03 * j.base.reach
-    j.torque = j.torque + side * a * 0.2 * j.scale / j.base.reach * soft * (
-        np.logaddexp(0.0, side * j.x / soft) - np.log(2.0)
-    )
+    # A rounded knee that leaves no offset on either side.
+    soft = 0.015 * j.base.reach
+    j.torque = j.torque + side * a * 0.2 * j.scale / j.base.reach * soft * np.logaddexp(0.0, side * j.x / soft)
 
 
 def _saturation(j: _Joint, a: float, rng: np.random.Generator) -> None:
@@ -490,7 +492,7 @@ def make(case: Case, seconds: float = 45.0, rate: float = 100.0) -> Made:
     x_seen = measured + x_noise
     y_real = torque + noise * sensing.standard_normal(x.size)
     # A Bouc-Wen simulator drifts under input noise (it breaks Drucker's postulate): it is given the clean motion.
-    y_sim = base.simulated(measured if case.plant == "bouc-wen" else x_seen)
+    y_sim = base.simulated(measured if base.clean_input else x_seen)
     # The oracle adds the true effect to the very simulator that is given.
     truth = torque - base.real(measured)
     gap = y_real - y_sim
