@@ -75,9 +75,17 @@ def docs(session: nox.Session) -> None:
 
 @nox.session
 def bench(session: nox.Session) -> None:
-    """Speed: pytest-benchmark over the models."""
+    """Speed against C kernels (folder HYSTBENCH_ROOF) and other packages; writes docs/speed.md."""
     _install(session, "test")
-    session.run("pytest", "tests/benchmarks", "--benchmark-only", *session.posargs, env={**os.environ, **ENV})
+    # Peers of the side-by-side comparison; where one cannot be installed or imported its row says so.
+    for peer in ("openseespy", "sysidentpy"):
+        session.install(peer, success_codes=[0, 1, 2])
+    result = Path(session.create_tmp()) / "speed.json"
+    session.run(
+        "pytest", "tests/benchmarks/test_speed.py", "--benchmark-only", f"--benchmark-json={result}", *session.posargs,
+        env={**os.environ, **ENV},
+    )  # fmt: skip
+    session.run("python", "tests/benchmarks/tabulate.py", str(result), "docs/speed.md")
 
 
 @nox.session
