@@ -238,6 +238,22 @@ def compare(base: Path, new: Path, tolerance: str, time_tolerance: str, form: st
     return EXIT_CHECK_FAILED if comparison.worse else 0
 
 
+@cli.command()
+@click.argument("folders", metavar="DIR...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), default=Path("hystbench-history"), show_default=True,
+              help="Folder for history.html, history.csv and changes.json.")  # fmt: skip
+def history(folders: tuple[Path, ...], out: Path) -> None:
+    """Plot the errors and times of many runs by model, oldest first, and mark where they changed.
+
+    \b
+    Example:
+      hystbench history runs/* --out history
+    """
+    from ..reports.history import write_history
+
+    click.echo(str(write_history(folders, out)))
+
+
 @cli.command(name="list")
 @click.argument("what", type=click.Choice(["models", "datasets", "effects"]))
 @click.option("--json", "as_json", is_flag=True, help="Machine-readable.")

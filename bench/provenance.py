@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import os
 import platform
+import shutil
+import subprocess
 import sys
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from typing import Any
 
 import psutil
@@ -36,6 +39,7 @@ def describe(command: list[str]) -> dict[str, Any]:
             "memory_gib": round(psutil.virtual_memory().total / 2**30, 1),
             "byte_order": sys.byteorder,
         },
+        "commit": _commit(),
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
     }
 
@@ -49,3 +53,12 @@ def _processor() -> str:
     except OSError:
         pass  # not Linux: platform knows a name there
     return platform.processor() or platform.machine()
+
+
+def _commit() -> str | None:
+    """The commit of the checkout that this package is run from; None if it is installed from a wheel."""
+    root, git = Path(__file__).resolve().parent.parent, shutil.which("git")
+    if git is None or not (root / ".git").exists():
+        return None
+    done = subprocess.run([git, "-C", str(root), "rev-parse", "HEAD"], capture_output=True, text=True, check=False)
+    return done.stdout.strip() or None
