@@ -31,41 +31,45 @@ def _initial_state(capacity: int) -> Floats:
 
 
 @njit(cache=True)
-def _advance(x, state, params):
+def _run(x, state, params, out):
+    # The state is held in local variables meanwhile: through the array each sample would cost several times as much.
     spring, friction, rate, exponent = params
-    if state[_STARTED] == 0.0:
-        state[_STARTED] = 1.0
-        state[_X] = x
-    dx = x - state[_X]
-    if dx != 0.0:
-        sign = 1.0 if dx > 0.0 else -1.0
-        # What is left to the limit, u = 1 − z sgn(dx), follows du = −rate u^exponent |dx|, solved in closed form.
-        left = 1.0 - sign * state[_Z]
-        if left > 0.0:
-            way = rate * abs(dx)
-            bend = 1.0 - exponent
-            if bend == 0.0:
-                left *= np.exp(-way)
-            else:
-                used = bend * way * left**-bend
-                left = left * np.exp(np.log1p(-used) / bend) if used < 1.0 else 0.0
-        state[_Z] = sign * (1.0 - left)
-        state[_X] = x
-    y = 0.0
-    for k in range(spring.size - 1, -1, -1):
-        y = y * x + spring[k]
-    return y + friction * state[_Z]
+    bend = 1.0 - exponent
+    started = state[_STARTED] != 0.0
+    last = state[_X]
+    z = state[_Z]
+    for i in range(x.size):
+        now = x[i]
+        if not started:
+            started = True
+            last = now
+        if now != last:
+            sign = 1.0 if now > last else -1.0
+            # What is left to the limit, u = 1 − z sgn(dx), follows du = −rate u^exponent |dx|, solved in closed form.
+            left = 1.0 - sign * z
+            if left > 0.0:
+                way = rate * abs(now - last)
+                if bend == 0.0:
+                    left *= np.exp(-way)
+                else:
+                    used = bend * way * left**-bend
+                    left = left * np.exp(np.log1p(-used) / bend) if used < 1.0 else 0.0
+            z = sign * (1.0 - left)
+        last = now
+        y = 0.0
+        for k in range(spring.size - 1, -1, -1):
+            y = y * now + spring[k]
+        out[i] = y + friction * z
+    state[_STARTED] = 1.0 if started else 0.0
+    state[_X] = last
+    state[_Z] = z
 
 
 @njit(cache=True)
 def _step(x, state, params, commit):
-    return _advance(x, state if commit else state.copy(), params)
-
-
-@njit(cache=True)
-def _run(x, state, params, out):
-    for i in range(x.size):
-        out[i] = _advance(x[i], state, params)
+    one = np.full(1, x)
+    _run(one, state if commit else state.copy(), params, one)
+    return one[0]
 
 
 class Dahl(HysteresisModel):
