@@ -13,7 +13,7 @@ __all__ = ["CONFIDENCE", "INPUTS", "confidence", "inputs"]
 
 INPUTS = (
     "bias", "no gap", "unknown", "miscalibration alone", "miscalibration beside", "further effects",
-    "log margin", "left over", "left over of unknown", "small gap", "gain beside others", "widening",
+    "log margin", "left over", "left over of unknown", "small gap", "gain beside others", "widening", "closed beside",
 )  # fmt: skip
 CONFIDENCE: dict[str, float] = {
     "bias": 3.041,
@@ -50,6 +50,9 @@ def inputs(verdict: Sequence[str], features: Mapping[str, float]) -> dict[str, f
         "left over of unknown": left if unknown else 0.0,
         "small gap": 1.0 / max(features["gap"], 1.0) if named or unknown else 0.0,
         "gain beside others": float("torque_gain" in named and len(named) > 1),
+        "closed beside": max(0.5 - max(features["closed_alone"], -1.0), 0.0)
+        if named and "miscalibration" in verdict
+        else 0.0,
         "widening": max(features["signal"] / max(features["gap"], 0.1) - 1.1, 0.0) if named else 0.0,
     }
 

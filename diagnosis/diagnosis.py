@@ -28,6 +28,8 @@ REPORTED = 5
 """Effects beyond the verdict that are reported with held-out figures."""
 RIVAL = 0.05
 """An alternative at least this probable, relative to the verdict, is a stated ambiguity."""
+MOST_PAIRS = 4
+"""The likeliest alternatives are enough to choose the next recording."""
 EXACT = 0.3
 """Structure left over, as a share of the noise, up to which an effect's law is adequate."""
 
@@ -280,11 +282,9 @@ def _ambiguities(choice: Choice) -> list[list[str]]:
     """Pairs of effects of which one could stand in for the other in the verdict."""
     own = choice.hypothesis.names
     pairs: set[tuple[str, str]] = set()
-    for names, odds in choice.rivals.items():
-        if odds < RIVAL or names == own:
-            continue
+    for names, odds in sorted(choice.rivals.items(), key=lambda item: -item[1]):
         out, into = own - names, names - own
-        if len(out) == 1 and len(into) == 1:
+        if odds >= RIVAL and len(out) == 1 and len(into) == 1 and len(pairs) < MOST_PAIRS:
             a, b = sorted((*out, *into))
             pairs.add((a, b))
     for name in choice.recalibration_rivals:

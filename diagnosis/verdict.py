@@ -122,12 +122,16 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     scores = np.array([h.score + priors[id(h)] for h in ranked])
     own = best.score + _prior(best, size)
     weights = np.exp(np.clip(tempered * (scores - scores.max()), -700.0, 0.0))
+    blank = max(h.score for h in found if not h.terms)
     posterior: dict[frozenset[str], float] = {}
     odds: dict[frozenset[str], float] = {}
     for hypothesis, weight, score in zip(ranked, weights / weights.sum(), scores, strict=True):
         posterior[hypothesis.names] = posterior.get(hypothesis.names, 0.0) + float(weight)
         against = float(np.exp(np.clip(tempered * (score - own), -700.0, 50.0)))
-        if own - score < SAME_BY_EYE * evidence.size:
+        if hypothesis.terms and hypothesis.score < blank + 5.0:
+            # What stands in for the verdict here is the refitted simulator, not this effect.
+            against = 0.0
+        elif own - score < SAME_BY_EYE * evidence.size:
             against = max(against, 0.1)
         odds[hypothesis.names] = max(odds.get(hypothesis.names, 0.0), against)
     others = [s for h, s in zip(ranked, scores, strict=True) if not h.names >= best.names and not h.names <= best.names]
