@@ -16,18 +16,19 @@ INPUTS = (
     "log margin", "left over", "left over of unknown", "small gap", "gain beside others", "widening", "closed beside",
 )  # fmt: skip
 CONFIDENCE: dict[str, float] = {
-    "bias": 3.041,
-    "no gap": 0.908,
-    "unknown": -3.773,
-    "miscalibration alone": -2.503,
-    "miscalibration beside": -0.544,
-    "further effects": -1.284,
-    "log margin": 0.815,
-    "left over": -1.668,
-    "left over of unknown": 1.64,
-    "small gap": 0.875,
-    "gain beside others": -0.946,
-    "widening": -2.161,
+    "bias": 3.8,
+    "no gap": 1.083,
+    "unknown": -4.972,
+    "miscalibration alone": -3.647,
+    "miscalibration beside": -1.434,
+    "further effects": -1.599,
+    "log margin": 1.285,
+    "left over": -3.308,
+    "left over of unknown": 1.895,
+    "small gap": 0.005,
+    "gain beside others": -1.55,
+    "closed beside": -1.591,
+    "widening": -0.547,
 }
 """Weight of each input."""
 
