@@ -76,12 +76,24 @@ def _initial_state(capacity: int) -> Floats:
 
 @njit(cache=True)
 def _segment(x, vertices, k, first, final):
-    """Index k with vertices[k] < x <= vertices[k + 1], within first .. final − 1, walking on from a near guess."""
-    k = min(max(k, first), final - 1)
-    while k < final - 1 and x > vertices[k + 1]:
-        k += 1
-    while k > first and x <= vertices[k]:
-        k -= 1
+    """Index k with vertices[k] < x <= vertices[k + 1], within first .. final − 1; mostly the guess or its neighbour."""
+    low = first
+    high = final - 1
+    k = min(max(k, low), high)
+    if x > vertices[k + 1]:
+        low = min(k + 1, high)
+        k = low
+    elif x <= vertices[k]:
+        high = max(k - 1, low)
+        k = high
+    while low < high:
+        if x > vertices[k + 1]:
+            low = min(k + 1, high)
+        elif x <= vertices[k]:
+            high = max(k - 1, low)
+        else:
+            break
+        k = (low + high) // 2
     return k
 
 
@@ -183,12 +195,15 @@ def _run(x, state, params, out):
         if n >= 1:
             length = total_length if n == 1 else abs(state[_STACK + 2 * n - 4] - at_x)
             u = abs(now - at_x) / length
-            q = _segment(u, sx, q, shape_from, shape_to)
+            # Mostly the last segment still holds, and a call with arrays costs more than the rest of a sample.
+            if not (shape_from <= q < shape_to and sx[q] < u <= sx[q + 1]):
+                q = _segment(u, sx, q, shape_from, shape_to)
             closed = sy[q] + (u - sx[q]) * (sy[q + 1] - sy[q]) / (sx[q + 1] - sx[q])
         if n >= 2:
             y = at_y + closed * (state[_STACK + 2 * n - 3] - at_y)
         else:
-            k = _segment(now, vx, k, first, final)
+            if not (first <= k < final and vx[k] < now <= vx[k + 1]):
+                k = _segment(now, vx, k, first, final)
             y = vy[k] + (now - vx[k]) * (vy[k + 1] - vy[k]) / (vx[k + 1] - vx[k])
             if n == 1:
                 y -= direction * total_gap * (1.0 - closed)
