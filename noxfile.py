@@ -85,7 +85,7 @@ def bench(session: nox.Session) -> None:
         "pytest", "tests/benchmarks/test_speed.py", "--benchmark-only", f"--benchmark-json={result}", *session.posargs,
         env={**os.environ, **ENV},
     )  # fmt: skip
-    session.run("python", "tests/benchmarks/tabulate.py", str(result), "docs/speed.md")
+    session.run("python", "tests/benchmarks/speed_table.py", str(result), "docs/speed.md")
 
 
 @nox.session

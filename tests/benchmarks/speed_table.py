@@ -1,4 +1,4 @@
-"""docs/speed.md from what pytest-benchmark measured: python tests/benchmarks/tabulate.py RESULT.json docs/speed.md"""
+"""docs/speed.md from what pytest-benchmark measured: python tests/benchmarks/speed_table.py RESULT.json docs/speed.md"""
 
 from __future__ import annotations
 
