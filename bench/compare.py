@@ -128,6 +128,7 @@ def compare(
     changed : collection of str
         Datasets whose samples are not the same, see :func:`changed_data`.
     """
+    base, new = _sound(base), _sound(new)
     old, now = dict(tuple(base.groupby(KEYS))), dict(tuple(new.groupby(KEYS)))
     growth: dict[str, list[float]] = {}
     found: list[Difference] = []
@@ -162,6 +163,15 @@ def compare(
 def _growth(difference: Difference) -> float:
     ratio = difference.new / max(difference.base, FLOOR)
     return ratio if math.isfinite(ratio) else 0.0
+
+
+def _sound(table: pd.DataFrame) -> pd.DataFrame:
+    """The table with cells whose error is no finite figure as failed ones, whatever they say of themselves."""
+    errors = table["nrmse"].fillna(table["rmse"])
+    lost = table["status"].eq("ok") & ~np.isfinite(errors.to_numpy(dtype=float))
+    return table.assign(
+        status=table["status"].mask(lost, "failed"), message=table["message"].mask(lost, "its error is not finite")
+    )
 
 
 def _values(rows: pd.DataFrame) -> pd.Series:

@@ -78,6 +78,8 @@ def score(truth: ArrayLike, estimate: ArrayLike, keep: ArrayLike | None = None) 
     ValueError
         If shapes differ, nothing is left to score, or a scored value is not finite.
     """
+    if np.iscomplexobj(truth) or np.iscomplexobj(estimate):
+        raise ValueError("truth and estimate must be real; converting complex values would drop their imaginary parts")
     true, found = np.asarray(truth, dtype=np.float64), np.asarray(estimate, dtype=np.float64)
     if true.shape != found.shape or true.ndim != 1:
         raise ValueError(f"truth and estimate must be 1-D and alike; their shapes are {true.shape} and {found.shape}")
