@@ -173,7 +173,7 @@ class Generalised:
 
     def anew(self, x: Floats) -> Floats:
         """Output over one new motion, sampled as the recordings are."""
-        time = self.signals.interval * np.arange(x.size)
+        time = self.signals.interval * np.arange(x.size, dtype=np.float64)
         _, speed, acceleration = differentiate(time, x)
         return predict_generalised(self.parameters(), x, [slice(0, x.size)], speed, acceleration)
 

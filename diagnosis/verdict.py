@@ -91,7 +91,7 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     signals = evidence.scene.signals
     floor = evidence.sigma
     energy = max(float(np.mean(np.square(evidence.gap))) - floor**2, 1e-6 * floor**2)
-    size = float(np.sqrt(np.mean(np.square(evidence.gap))))
+    size = max(float(np.sqrt(np.mean(np.square(evidence.gap)))), floor)
     priors = {id(h): _prior(h, size) for h in found}
     found = [h for h in found if np.isfinite(priors[id(h)])]
     ranked = sorted(found, key=lambda h: -(h.score + priors[id(h)]))

@@ -129,6 +129,13 @@ def test_no_gap_beyond_the_noise_is_said() -> None:
     assert found.verdict == []
 
 
+def test_a_simulator_that_copies_the_recording_leaves_no_gap() -> None:
+    recording = signals(nothing)
+    found = diagnose(Signals(recording.time, recording.x, recording.y_real, recording.y_real, recording.runs, {}))
+    assert found.verdict == []
+    assert json.loads(found.to_json())["gap"]["rmse"] == 0.0
+
+
 def test_a_simulator_that_is_off_is_no_missing_effect() -> None:
     found = diagnose(signals(nothing, lambda x: joint(x, stiffness=4.16, friction=0.285)))
     assert found.verdict == ["miscalibration"]

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..evidence import Evidence
+from ..evidence import Evidence, boxed_least_squares
+from ..search import Library
 
 __all__ = ["by_correlation", "by_fit"]
 
@@ -35,13 +36,14 @@ def by_correlation(evidence: Evidence, exclude: Sequence[str]) -> str:
 def by_fit(evidence: Evidence, exclude: Sequence[str]) -> str:
     """The effect that leaves the smallest sum of squares beside the simulator as it is."""
     from ..diagnosis import known_effects
-    from ..evidence import Term
 
+    library = Library(evidence, known_effects(exclude))
+    # One scale and no price for unknowns: the plain in-sample fit.
+    gram, moment, energy = library.moments((0.0, 0.0))
     best, name = np.inf, ""
-    for effect in known_effects(exclude):
-        for form in effect.forms(evidence.scene):
-            for shape in form.grid:
-                rss = evidence.fit([Term(effect, form, shape)], ((0.0, 0.0),)).rss
-                if rss < best:
-                    best, name = rss, effect.id
+    for term, columns in zip(library.terms, library.slices, strict=True):
+        lower, upper = np.array(term.form.lower), np.array(term.form.upper)
+        _, reduction = boxed_least_squares(gram[columns, columns][None], moment[columns][None], lower, upper)
+        if energy - float(reduction[0]) < best:
+            best, name = energy - float(reduction[0]), term.effect.id
     return name
