@@ -30,12 +30,15 @@ def render(result: dict[str, Any]) -> str:
         info = benchmark["extra_info"]
         sections.setdefault(info["section"], []).append((info, benchmark["stats"]))
     machine = result["machine_info"]
+    loads = [benchmark["extra_info"]["load"] for benchmark in result["benchmarks"]]
     cpu = machine.get("cpu", {}).get("brand_raw", machine.get("machine", "unknown"))
     parts = [
         "# Speed\n",
-        f"Measured on {result['datetime'][:10]} with `nox -s bench` on one core of: {cpu}, Python {machine['python_version']}. "
+        f"Measured on {result['datetime'][:10]} by tests/benchmarks/test_speed.py (`nox -s bench` repeats it) on one core of: {cpu}, Python {machine['python_version']}. "
         "Medians; compilation is never counted. The C kernels were compiled with gcc and run just before each row, "
-        "so that both saw the machine under the same load; other work on it disturbs the fastest passes least.\n",
+        "so that both saw the machine under the same load; other work on it disturbs the fastest passes least. "
+        f"Load average meanwhile: {min(loads):.1f} to {max(loads):.1f} on {machine['cpu'].get('count', '?')} cores. "
+        "Where the last column says 'another law' the kernel computes less than the model and the ratio is only a scale.\n",
     ]
     titles = {
         "c-sines": "Predicting 1e5 samples, three sines (600 reversals)",
