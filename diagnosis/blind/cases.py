@@ -22,18 +22,24 @@ def bank(plants: Sequence[str], seeds: int, first_seed: int, every: int = 1) -> 
     """All cases of a bank; ``every`` takes only each so-manieth of them.
 
     Each effect at four gap-to-noise ratios, each with the simulator's own parameters off as well, each withheld from
-    the registry, pairs of effects, effects outside the registry, and no effect at all.
+    the registry, pairs of effects, effects outside the registry, no effect at all, and a poor recording of
+    each effect.
     """
     assert set(plants) <= set(PLANTS)
     cases: list[Case] = []
     effects = list(EFFECTS)
 
     def add(
-        plant: str, names: tuple[str, ...], ratio: float, error: float = 0.0, excluded: tuple[str, ...] = ()
+        plant: str,
+        names: tuple[str, ...],
+        ratio: float,
+        error: float = 0.0,
+        excluded: tuple[str, ...] = (),
+        motion: str = "",
     ) -> None:
         seed = first_seed + len(cases)
-        motion = ("rich", "sweeps")[len(cases) % 2]
-        cases.append(Case(plant, names, ratio, error, motion, seed, excluded))
+        usual = ("rich", "sweeps")[len(cases) % 2]
+        cases.append(Case(plant, names, ratio, error, motion or usual, seed, excluded))
 
     for plant in plants:
         for repeat in range(seeds):
@@ -50,12 +56,16 @@ def bank(plants: Sequence[str], seeds: int, first_seed: int, every: int = 1) -> 
                     add(plant, (name,), ratio)
             for k in range(10):
                 add(plant, (), 0.0, BASE_ERROR if k % 2 else 0.0)
+            for name in effects:
+                add(plant, (name,), 4.0, motion="one sine")
     return cases[:: max(every, 1)]
 
 
 def group(case: Case) -> str:
     """The line of the table in which a case counts."""
     off = ", simulator off" if case.base_error else ""
+    if case.motion == "one sine":
+        return "a poor recording: one sine"
     if case.excluded:
         return "withheld from the registry"
     if not case.effects:

@@ -5,8 +5,8 @@ candidates wherever another law is physical: Carreau instead of power-law viscos
 exponential presliding, an algebraic Stribeck curve of broken power, a spectrum of relaxation times, a heat balance, hyperbolic wear,
 an encoder that errs as a function of the true angle, rounded stops and limits.
 
-Two development plants (parallel slip elements; a Bouc-Wen ODE) and two test plants (an asymmetric, position-dependent
-slip plant with a hardening spring; a MuJoCo joint, in :mod:`mujoco_plant`) keep tuning and reporting apart.
+Two development plants (parallel slip elements; a Bouc-Wen ODE) and a test plant (an asymmetric, position-dependent slip
+plant with a hardening spring) keep tuning and reporting apart.
 """
 
 from __future__ import annotations
@@ -73,7 +73,6 @@ class Case:
     motion: str
     seed: int
     excluded: tuple[str, ...] = ()
-    other_form: bool = True
 
 
 @dataclass(frozen=True)
