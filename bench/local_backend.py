@@ -19,6 +19,7 @@ __all__ = ["compute_here", "run_guarded", "worker_pool"]
 
 # Numerical libraries would otherwise start a thread a core in every worker and slow each other down.
 THREADS = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL", "NUMBA")}
+LARGEST_BATCH = 20
 IDLE = 60.0
 """Seconds after which an idle worker process ends."""
 
@@ -54,29 +55,50 @@ def compute_here(specs: Sequence[CellSpec], folder: Path, jobs: int) -> Iterable
         If the code changed meanwhile.
     """
     pending = {spec.key: spec for spec in specs}
+    for key in pending:
+        # What is computed again must not be mistaken for what this run has finished.
+        for suffix in (".json", ".npz"):
+            (folder / f"{key}{suffix}").unlink(missing_ok=True)
     while pending:
         pool = worker_pool(min(jobs, len(pending)))
         try:
-            futures: dict[Future[dict[str, Any]], CellSpec] = {
-                pool.submit(run_cell, spec, folder): spec for spec in pending.values()
+            futures: dict[Future[list[dict[str, Any]]], list[CellSpec]] = {
+                pool.submit(_run_cells, batch, folder): batch for batch in _batches(list(pending.values()), jobs)
             }
             for future in as_completed(futures):
-                cell = _checked(futures[future], future.result())
-                del pending[cell["key"]]
-                yield cell
+                for spec, cell in zip(futures[future], future.result(), strict=True):
+                    _checked(spec, cell)
+                    del pending[spec.key]
+                    yield cell
         except (OSError, InputError):
             raise
         except Exception as error:
             suspects = [spec for key, spec in pending.items() if (folder / f".{key}.started").exists()]
-            if not suspects:
-                raise
             _stop(pool, kill=True)
+            # What the dead process and the killed ones had finished lies on disk, whoever was to report it.
+            recovered = [cell for key, cell in read_cells(folder).items() if key in pending]
+            if not suspects and not recovered:
+                raise
             for spec in suspects:
                 del pending[spec.key]
                 yield _alone(spec, folder, error)
+            for cell in recovered:
+                if pending.pop(cell["key"], None) is not None:
+                    yield cell
         finally:
             # Also reached when the caller stops early (Ctrl-C): nothing may go on computing.
             _stop(pool, kill=bool(pending))
+
+
+def _batches(specs: Sequence[CellSpec], jobs: int) -> list[Sequence[CellSpec]]:
+    """The cells in batches for one errand each: none in small runs, whose cells are long and should spread evenly."""
+    size = min(max(len(specs) // (100 * jobs), 1), LARGEST_BATCH)
+    return [specs[start : start + size] for start in range(0, len(specs), size)]
+
+
+def _run_cells(specs: Sequence[CellSpec], folder: Path) -> list[dict[str, Any]]:
+    """In a worker: each cell is on disk before the next one starts."""
+    return [run_cell(spec, folder) for spec in specs]
 
 
 def _checked(spec: CellSpec, cell: dict[str, Any]) -> dict[str, Any]:

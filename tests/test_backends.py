@@ -8,11 +8,13 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pandas as pd
+import psutil
 import pytest
 
 from hystbench.bench.cli import cli
@@ -120,6 +122,28 @@ def test_a_dask_cluster_that_loses_a_worker_gives_what_one_process_gives(
 def test_two_processes_give_what_one_gives(on_one_process: Path, tmp_path: Path) -> None:
     assert execute(cli, [*SMALL, "--out", str(tmp_path), "--jobs", "2"]) == 0
     pd.testing.assert_frame_equal(results(tmp_path), results(on_one_process))
+
+
+def test_cells_that_a_dying_process_had_finished_are_kept_one_by_one(
+    on_one_process: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("hystbench.bench.local_backend._batches", lambda specs, jobs: [specs])
+    out, kept = tmp_path / "out", {}
+
+    def kill_the_worker() -> None:
+        wait_for(lambda: list(out.glob("cells/[!.]*.json")))
+        kept.update({path.name: path.stat().st_mtime_ns for path in out.glob("cells/[!.]*.json")})
+        for child in psutil.Process().children(recursive=True):
+            if "popen_loky" in " ".join(child.cmdline()):
+                child.kill()
+
+    killer = threading.Thread(target=kill_the_worker)
+    killer.start()
+    assert execute(cli, [*SMALL, "--out", str(out), "--jobs", "1"]) == 0
+    killer.join()
+    assert 0 < len(kept) < 12
+    assert kept.items() <= {path.name: path.stat().st_mtime_ns for path in out.glob("cells/*.json")}.items()
+    pd.testing.assert_frame_equal(results(out), results(on_one_process))
 
 
 def test_parts_merge_into_the_whole_in_any_order(
