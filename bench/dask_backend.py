@@ -58,7 +58,8 @@ def compute_on_dask(specs: Sequence[CellSpec], folder: Path, scheduler: str) -> 
             for future in as_completed(futures, loop=client.loop):
                 spec = futures[future]
                 if future.status == "finished":
-                    yield _store(spec, *future.result(), folder)
+                    cell, arrays = future.result()
+                    yield _store(spec, cell, arrays, folder)
                 else:
                     yield _failed(spec, future.exception(), folder)
                 # The scheduler may forget the arrays that are stored here.

@@ -62,7 +62,7 @@ def compute_here(specs: Sequence[CellSpec], folder: Path, jobs: int) -> Iterable
     while pending:
         pool = worker_pool(min(jobs, len(pending)))
         try:
-            futures: dict[Future[list[dict[str, Any]]], list[CellSpec]] = {
+            futures: dict[Future[list[dict[str, Any]]], Sequence[CellSpec]] = {
                 pool.submit(_run_cells, batch, folder): batch for batch in _batches(list(pending.values()), jobs)
             }
             for future in as_completed(futures):

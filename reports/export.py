@@ -107,7 +107,9 @@ def export(run_dir: str | Path) -> list[Path]:
     written = []
     for name, make in figure_makers(run).items():
         drawing = make()
-        for form in FORMATS if drawing is not None else ():
+        if drawing is None:
+            continue
+        for form in FORMATS:
             path = run.path / "figures" / f"{slug(name)}.{form}"
             drawing.save(path)
             written.append(path)

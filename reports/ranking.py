@@ -81,10 +81,11 @@ def _errors(run: RunDirectory, dataset: str, task: str) -> Floats:
     found = {m: run.rows(dataset, condition, task, m).set_index("seed") for m in run.models}
     seeds = sorted({int(s) for rows in found.values() for s in rows.index})
     errors = np.full((len(seeds), len(run.models)), math.inf)
+    row: Any
     for j, rows in enumerate(found.values()):
-        for i, seed in enumerate(seeds):
-            if seed in rows.index and rows.at[seed, "status"] == "ok" and math.isfinite(rows.at[seed, "nrmse"]):
-                errors[i, j] = max(float(rows.at[seed, "nrmse"]), 1e-9)
+        for row in rows[rows["status"] == "ok"].itertuples():
+            if math.isfinite(row.nrmse):
+                errors[seeds.index(row.Index), j] = max(row.nrmse, 1e-9)
     return errors
 
 

@@ -111,7 +111,7 @@ class Drawing:
         """As a file of its own, in the format of its suffix, with the text in black and the same bytes every time."""
         path = Path(path)
         metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(path.suffix, {"Software": None})
-        white = {"facecolor": "white"} if path.suffix == ".png" else {}
+        white: dict[str, Any] = {"facecolor": "white"} if path.suffix == ".png" else {}
         with mpl.rc_context({**STYLE, "svg.hashsalt": self.name, "pdf.fonttype": 42}), replacing(path) as temporary:
             self.figure.savefig(temporary, dpi=200, metadata=metadata, **white)
 
