@@ -228,7 +228,7 @@ def dataset_table(run: RunDirectory, dataset: str) -> Table:
     return Table(
         f"{dataset}, condition {condition}",
         [*columns, "Remark"],
-        _mark_best(_model_rows(run, cells), range(1, len(columns))),
+        _mark_best(rows, range(1, len(columns))),
         groups=(*groups, ("", 1)),
     )
 
