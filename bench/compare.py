@@ -264,7 +264,9 @@ def _compare_times(base: pd.DataFrame, new: pd.DataFrame, tolerance: float) -> t
             # What slows all other models down as well is the machine (or a neighbour on it), not this model.
             common = float(others.median()) if len(others) > 1 else 1.0
             relative = group.to_numpy() / common
-            before, after = (float(np.median(pairs.loc[[model], f"{column} {side}"].to_numpy())) for side in ("base", "new"))
+            before, after = (
+                float(np.median(pairs.loc[[model], f"{column} {side}"].to_numpy())) for side in ("base", "new")
+            )
             kind = ""
             if (
                 np.median(relative) > 1.0 + tolerance

@@ -89,7 +89,14 @@ def _picture(path: Path, fitted: Any, x: np.ndarray, y: np.ndarray, reach: float
 
 
 def _dataset(name: str, plugin: Any, folder: Path) -> str:
-    lines = [f"# {plugin.title}", "", f"`{name}`: {plugin.summary}.", "", f"- Kind: {plugin.kind}", f"- Licence: {plugin.licence}"]
+    lines = [
+        f"# {plugin.title}",
+        "",
+        f"`{name}`: {plugin.summary}.",
+        "",
+        f"- Kind: {plugin.kind}",
+        f"- Licence: {plugin.licence}",
+    ]
     try:
         data = plugin().load()
     except DatasetUnavailableError:
@@ -97,7 +104,9 @@ def _dataset(name: str, plugin: Any, folder: Path) -> str:
         return "\n".join(lines)
     lines += [f"- Source: {data.source}", f"- Split: {data.split}", ""]
     figure = Figure(figsize=(7.5, 3.0), layout="constrained")
-    for axis, title, part in zip(figure.subplots(1, 2, sharex=True, sharey=True), ("train", "test"), (data.train, data.test), strict=True):
+    for axis, title, part in zip(
+        figure.subplots(1, 2, sharex=True, sharey=True), ("train", "test"), (data.train, data.test), strict=True
+    ):
         for recording in part:
             axis.plot(recording.x[recording.warm_up :], recording.y[recording.warm_up :], linewidth=0.6)
         axis.set_title(title)
