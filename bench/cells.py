@@ -55,6 +55,8 @@ class CellSpec:
     time_limit: float
     timing_time: float
     memory_limit: float = MEMORY_LIMIT
+    run: str = ""
+    """Id of the run that computes it, so that what an earlier run left under the same key is not taken for its work."""
 
     @property
     def key(self) -> str:
@@ -66,7 +68,7 @@ class CellSpec:
             "hyperparameters": repr(cls().get_params()) if hasattr(cls, "get_params") else None,
             "metrics": METRIC_VERSION,
             "packages": _packages(),
-            **{k: v for k, v in asdict(self).items() if k not in ("timing_time", "time_limit", "memory_limit")},
+            **{k: v for k, v in asdict(self).items() if k not in ("timing_time", "time_limit", "memory_limit", "run")},
         }
         return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()[:24]
 
@@ -202,6 +204,7 @@ def _empty_cell(spec: CellSpec) -> dict[str, Any]:
         "condition": spec.condition,
         "seed": spec.seed,
         "session": session_id(),
+        "run": spec.run,
         "rows": [{**row, "task": task, **values, "status": "", "message": ""} for task in TASKS],
         "fit": None,
         "timing": {},

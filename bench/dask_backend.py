@@ -18,7 +18,6 @@ from typing import Any
 from uuid import uuid4
 
 from ..errors import InputError
-from ..files import replacing
 from .cells import CellSpec, fallback_cell, run_cell
 from .local_backend import run_guarded, worker_pool
 from .results import write_cell
@@ -68,7 +67,7 @@ def compute_on_dask(specs: Sequence[CellSpec], folder: Path, scheduler: str) -> 
             client.cancel(list(futures), force=True)
 
 
-def _remote_cell(spec: CellSpec) -> tuple[dict[str, Any], bytes | None]:
+def _remote_cell(spec: CellSpec) -> tuple[dict[str, Any], bytes]:
     """On a worker: compute a cell in a temporary folder and return it with its arrays as they lie on disk."""
     # dask marks its workers as daemons, which may not have children; ours end with them, or soon after, idle.
     multiprocessing.current_process()._config["daemon"] = False  # type: ignore[attr-defined]
@@ -82,7 +81,7 @@ def _remote_cell(spec: CellSpec) -> tuple[dict[str, Any], bytes | None]:
             if cell["rows"][0]["status"] in ("failed", "timeout"):
                 _own.pool = None
         arrays = folder / f"{spec.key}.npz"
-        return cell, arrays.read_bytes() if arrays.exists() else None
+        return cell, arrays.read_bytes() if arrays.exists() else b""
 
 
 def _pool() -> Executor:
@@ -91,16 +90,13 @@ def _pool() -> Executor:
     return _own.pool
 
 
-def _store(spec: CellSpec, cell: dict[str, Any], arrays: bytes | None, folder: Path) -> dict[str, Any]:
+def _store(spec: CellSpec, cell: dict[str, Any], arrays: bytes, folder: Path) -> dict[str, Any]:
     if cell["key"] != spec.key:
         raise InputError(
             "a dask worker computes with another version of hystbench, numpy, scipy or numba than this machine; "
             "install the same versions on all of them"
         )
-    if arrays is not None:
-        with replacing(folder / f"{spec.key}.npz") as temporary:
-            temporary.write_bytes(arrays)
-    write_cell(folder, cell, {})
+    write_cell(folder, cell, arrays)
     return cell
 
 

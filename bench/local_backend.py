@@ -55,10 +55,6 @@ def compute_here(specs: Sequence[CellSpec], folder: Path, jobs: int) -> Iterable
         If the code changed meanwhile.
     """
     pending = {spec.key: spec for spec in specs}
-    for key in pending:
-        # What is computed again must not be mistaken for what this run has finished.
-        for suffix in (".json", ".npz"):
-            (folder / f"{key}{suffix}").unlink(missing_ok=True)
     while pending:
         pool = worker_pool(min(jobs, len(pending)))
         try:
@@ -76,7 +72,11 @@ def compute_here(specs: Sequence[CellSpec], folder: Path, jobs: int) -> Iterable
             suspects = [spec for key, spec in pending.items() if (folder / f".{key}.started").exists()]
             _stop(pool, kill=True)
             # What the dead process and the killed ones had finished lies on disk, whoever was to report it.
-            recovered = [cell for key, cell in read_cells(folder).items() if key in pending]
+            recovered = [
+                cell
+                for key, cell in read_cells(folder).items()
+                if key in pending and cell.get("run") == pending[key].run
+            ]
             if not suspects and not recovered:
                 raise
             for spec in suspects:
@@ -110,7 +110,7 @@ def _checked(spec: CellSpec, cell: dict[str, Any]) -> dict[str, Any]:
 
 def _alone(spec: CellSpec, folder: Path, error: Exception) -> dict[str, Any]:
     finished = read_cells(folder).get(spec.key)
-    if finished is not None and not (folder / f".{spec.key}.started").exists():
+    if finished is not None and finished.get("run") == spec.run and not (folder / f".{spec.key}.started").exists():
         return finished
     pool = worker_pool(1)
     try:

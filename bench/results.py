@@ -49,11 +49,18 @@ def plain(value: Any) -> Any:
     return value
 
 
-def write_cell(folder: Path, cell: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
-    """Write one finished cell, its arrays first: a cell whose JSON exists is whole."""
+def write_cell(folder: Path, cell: Mapping[str, Any], arrays: Mapping[str, np.ndarray] | bytes) -> None:
+    """Write one finished cell, its arrays (or the bytes of their file) first: a cell whose JSON exists is whole."""
+    path = folder / f"{cell['key']}.npz"
     if arrays:
-        with replacing(folder / f"{cell['key']}.npz") as temporary:
-            np.savez_compressed(temporary, allow_pickle=False, **arrays)
+        with replacing(path) as temporary:
+            if isinstance(arrays, bytes):
+                temporary.write_bytes(arrays)
+            else:
+                np.savez_compressed(temporary, allow_pickle=False, **arrays)
+    else:
+        # The cell may take the place of one that succeeded.
+        path.unlink(missing_ok=True)
     write_text(folder / f"{cell['key']}.json", json.dumps(plain(cell), indent=1, allow_nan=False) + "\n")
 
 

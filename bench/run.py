@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 from .. import datasets, models
 from ..datasets import Dataset, DatasetUnavailableError
@@ -23,7 +24,7 @@ from .dask_backend import compute_on_dask
 from .local_backend import compute_here
 from .provenance import describe
 from .references import reference_scores
-from .results import plain, read_cells, write_results
+from .results import plain, read_cells, read_document, write_results
 
 __all__ = ["Plan", "part_of", "plan_run", "run"]
 
@@ -168,7 +169,8 @@ def run(
 
     On ``jobs`` processes of this machine, or on the workers of the dask scheduler at ``scheduler``.
 
-    Cells that ``out`` holds already are kept unless ``fresh``; ``advance`` is called with each finished cell.
+    Cells that ``out`` holds already are kept unless ``fresh``; ``advance`` is called with each finished cell. A fresh run
+    replaces old cells one by one, so that none is lost if it is interrupted; the next fresh run in ``out`` goes on with it.
     """
     folder = out / "cells"
     folder.mkdir(parents=True, exist_ok=True)
@@ -176,25 +178,28 @@ def run(
     for left in folder.glob(".*"):
         left.unlink(missing_ok=True)
     specs = {spec.key: spec for spec in plan.cells}
-    known = {} if fresh else read_cells(folder)
-    cells: dict[str, dict[str, Any]] = {}
-    document = _document(plan, command)
+    known = read_cells(folder)
+    previous = read_document(out)
+    goes_on = fresh and previous.get("fresh") is True and previous.get("finished") is False
+    run_id = str(previous["run"]) if goes_on else uuid4().hex
+    cells = {
+        key: known[key]
+        for key, spec in specs.items()
+        if key in known and _is_whole(spec, known[key], folder) and (not fresh or known[key].get("run") == run_id)
+    }
+    pending = [replace(spec, run=run_id) for key, spec in specs.items() if key not in cells]
+    document = {
+        **_document(plan, command),
+        "run": run_id,
+        "fresh": fresh,
+        # What an earlier run left for these counts until this run has replaced it.
+        "superseded": [spec.key for spec in pending if spec.key in known],
+    }
     start = time.perf_counter()
     _write_document(out, document, cells, start, finished=False)
     try:
-        pending = []
-        for key, spec in specs.items():
-            kept = known.get(key)
-            # What failed for want of time or memory may succeed now.
-            if (
-                kept is not None
-                and all(row["status"] in ("ok", "unsupported") for row in kept["rows"])
-                and (not spec.keep_arrays or (folder / f"{key}.npz").exists())
-            ):
-                cells[key] = kept
-                advance(kept)
-            else:
-                pending.append(spec)
+        for kept in list(cells.values()):
+            advance(kept)
         finished_cells = (
             compute_on_dask(pending, folder, scheduler) if scheduler else compute_here(pending, folder, jobs)
         )
@@ -207,10 +212,17 @@ def run(
         finished = False
         raise
     finally:
-        ordered = [cells[key] for key in specs if key in cells]
+        held = known | cells
+        ordered = [held[key] for key in specs if key in held]
         write_results(out / "results.parquet", ordered)
         _write_document(out, document, cells, start, finished=finished)
     return out
+
+
+def _is_whole(spec: CellSpec, cell: dict[str, Any], folder: Path) -> bool:
+    """Whether a kept cell need not be computed again; what failed for want of time or memory may succeed now."""
+    succeeded = all(row["status"] in ("ok", "unsupported") for row in cell["rows"])
+    return succeeded and (not spec.keep_arrays or (folder / f"{spec.key}.npz").exists())
 
 
 def _drop_outdated(folder: Path, specs: Sequence[CellSpec]) -> None:

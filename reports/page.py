@@ -60,7 +60,9 @@ def _context(run: RunDirectory) -> dict[str, Any]:
     part, absent = document.get("part"), document.get("parts_absent", [])
     told = []
     if not document.get("finished", True) or done < total:
-        told.append(f"{done} of {total} cells are finished")
+        earlier = document.get("cells_earlier", 0)
+        kept = f", {earlier} stand as an earlier run left them" if earlier else ""
+        told.append(f"{done} of {total} cells are finished{kept}")
     if part:
         told.append(f"it is part {part[0]} of {part[1]}; `hystbench report` merges the parts")
     if absent:

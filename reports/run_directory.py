@@ -118,7 +118,10 @@ def read_run(path: Path) -> RunDirectory:
         # A run that was killed could not write its table any more; its finished cells are there.
         cells = {key: cells[key] for key in document.get("cells", []) if key in cells}
         table = table_of(cells.values())
-        document["cells_done"] = len(cells)
+        superseded = set(document.get("superseded", []))
+        earlier = [key for key in cells if key in superseded and cells[key].get("run") != document.get("run")]
+        document["cells_done"] = len(cells) - len(earlier)
+        document["cells_earlier"] = len(earlier)
     else:
         table = read_results(path)
         known = set(zip(*(table[column] for column in IDENTITY), strict=True))

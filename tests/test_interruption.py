@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -21,14 +22,23 @@ SMALL = ["run", "--quick", "--models", "cubic,prandtl-ishlinskii,preisach", "--d
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("whole") / "out"
     assert execute(cli, [*SMALL, "--out", str(out), "--jobs", "2"]) == 0
-    return results(out)
+    return out
+
+
+@pytest.fixture(scope="module")
+def whole(finished: Path) -> pd.DataFrame:
+    return results(finished)
 
 
 def results(out: Path) -> pd.DataFrame:
     return pd.read_parquet(out / "results.parquet").drop(columns=TIMES)
+
+
+def stamps(out: Path) -> dict[str, int]:
+    return {path.name: path.stat().st_mtime_ns for path in out.glob("cells/[!.]*.json")}
 
 
 def start(out: Path, **more: object) -> subprocess.Popen[str]:
@@ -53,13 +63,13 @@ def has_processes(group: int) -> bool:
 
 
 def is_finished_by_the_same_command(out: Path, whole: pd.DataFrame) -> None:
-    kept = {path.name: path.stat().st_mtime_ns for path in out.glob("cells/*.json")}
+    kept = stamps(out)
     assert execute(cli, ["report", str(out)]) == (0 if kept else 2)
     if kept:
         assert "This run is incomplete" in (out / "report.html").read_text()
     assert execute(cli, [*SMALL, "--out", str(out), "--jobs", "2"]) == 0
     assert "This run is incomplete" not in (out / "report.html").read_text()
-    assert kept.items() <= {path.name: path.stat().st_mtime_ns for path in out.glob("cells/*.json")}.items()
+    assert kept.items() <= stamps(out).items()
     pd.testing.assert_frame_equal(results(out), whole)
     assert not list(out.glob("cells/.*"))
 
@@ -103,3 +113,44 @@ def test_a_full_disk_is_told_in_one_line_and_blamed_on_no_model(whole: pd.DataFr
     assert "free space" in err
     assert not list(out.glob("cells/*.npz"))
     is_finished_by_the_same_command(out, whole)
+
+
+def test_a_killed_fresh_run_has_lost_nothing_and_either_command_goes_on(
+    finished: Path, whole: pd.DataFrame, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(finished, out)
+    old = stamps(out)
+    command = [sys.executable, "-m", "hystbench", *SMALL, "--out", str(out), "--jobs", "1", "--fresh"]
+    process = subprocess.Popen(
+        command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+    )
+    deadline = time.monotonic() + 120
+    while stamps(out) == old:
+        assert time.monotonic() < deadline
+        assert process.poll() is None
+        time.sleep(0.002)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+
+    killed = stamps(out)
+    assert killed.keys() == old.keys()
+    renewed = {name for name in old if killed[name] != old[name]}
+    assert 0 < len(renewed) < len(old)
+    pd.testing.assert_frame_equal(results(out), whole)
+    assert execute(cli, ["report", str(out)]) == 0
+    page = (out / "report.html").read_text()
+    assert (
+        f"{len(renewed)} of {len(old)} cells are finished, {len(old) - len(renewed)} stand as an earlier run left them"
+        in page
+    )
+
+    shutil.copytree(out, tmp_path / "other")
+    assert execute(cli, [*SMALL, "--out", str(tmp_path / "other"), "--resume"]) == 0
+    pd.testing.assert_frame_equal(results(tmp_path / "other"), whole)
+
+    assert execute(cli, [*SMALL, "--out", str(out), "--fresh"]) == 0
+    after = stamps(out)
+    assert {name for name in old if after[name] == killed[name]} == renewed
+    assert "This run is incomplete" not in (out / "report.html").read_text()
+    pd.testing.assert_frame_equal(results(out), whole)
