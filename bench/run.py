@@ -127,10 +127,10 @@ def plan_run(model_ids: Sequence[str] | None, dataset_ids: Sequence[str] | None,
 
 
 def _chosen_models(model_ids: Sequence[str] | None) -> list[str]:
-    """Those asked for; ``["all"]``: all that are registered; None: all but those that call themselves extended."""
+    """Those asked for; ``["all"]``: all that stand for themselves; None: of these, all that are not extended."""
     if not model_ids:
-        return [name for name in models.ids() if not getattr(models.get(name), "extended", False)]
-    return models.ids() if list(model_ids) == ["all"] else list(dict.fromkeys(model_ids))
+        return [name for name in models.benchmarked_ids() if not getattr(models.get(name), "extended", False)]
+    return models.benchmarked_ids() if list(model_ids) == ["all"] else list(dict.fromkeys(model_ids))
 
 
 def _limit(kind: str, default: float, unit: str) -> float:

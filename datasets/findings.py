@@ -311,10 +311,10 @@ ASSUMES = {
 
 
 def applicable_models(found: Inspection) -> list[Applicability]:
-    """For every registered model whether what it takes for granted was found in the recording."""
+    """For every model that stands for itself whether what it takes for granted was found in the recording."""
     from .. import models
 
-    return [_judge(found, name, models.get(name)) for name in models.ids()]
+    return [_judge(found, name, models.get(name)) for name in models.benchmarked_ids()]
 
 
 def _judge(found: Inspection, name: str, cls: Any) -> Applicability:

@@ -56,6 +56,7 @@ class CorrectedSimulator(HysteresisModel):
     source: ClassVar[str] = "hystbench diagnose"
     rate_independent: ClassVar[bool] = False
     extended: ClassVar[bool] = True
+    benchmarked: ClassVar[bool] = False
 
     def __init__(self, interval: float = 0.01) -> None:
         self.interval = interval

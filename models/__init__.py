@@ -21,6 +21,7 @@ __all__ = [
     "Run",
     "Stepper",
     "UnknownModelError",
+    "benchmarked_ids",
     "check_model",
     "citation",
     "get",
@@ -53,6 +54,11 @@ def get(name: str) -> type[Any]:
 def ids() -> list[str]:
     """Ids of all registered models that can be loaded."""
     return registry.ids()
+
+
+def benchmarked_ids() -> list[str]:
+    """Ids of the models that stand for themselves: all but those that only another command makes."""
+    return [name for name in ids() if getattr(get(name), "benchmarked", True)]
 
 
 def load(path: Any) -> Any:

@@ -152,6 +152,8 @@ class HysteresisModel:
     """Whether only the path of the input matters. A model for which it is not so overrides ``_predict_timed``."""
     extended: ClassVar[bool] = False
     """Whether a run leaves the model out unless it is asked for by name or ``--models all``."""
+    benchmarked: ClassVar[bool] = True
+    """Whether ``--models all`` and the tables of all models take it; not so for what another command makes and saves."""
     minimum_samples: ClassVar[int] = 8
     estimated: ClassVar[tuple[str, ...] | None] = None
     """Parameters that an identification chooses freely (None: all); the others are fixed beforehand."""

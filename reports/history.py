@@ -108,9 +108,9 @@ def history_table(runs: Sequence[RunDirectory]) -> pd.DataFrame:
     for model, held_by in everything.groupby("model"):
         present = held_by["run"].nunique()
         held = held_by.groupby(CELL)["run"].transform("nunique") == present
-        for place, cells in held_by[held].groupby("run"):
+        for position, cells in held_by[held].groupby("run"):
             errors = cells["nrmse"].dropna().clip(lower=1e-9)
-            row: dict[str, Any] = {"run": int(str(place)), "model": str(model), "cells": len(cells)}
+            row: dict[str, Any] = {"run": int(str(position)), "model": str(model), "cells": len(cells)}
             row["nrmse"] = float(np.exp(np.log(errors).mean())) if len(errors) else math.nan
             for measure in MEASURES[1:]:
                 row[measure.column] = float(cells[measure.column].median())

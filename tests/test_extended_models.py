@@ -25,7 +25,9 @@ def test_a_run_leaves_extended_models_out_unless_asked() -> None:
     assert {"maxwell-slip", "cubic", "bouc-wen", "preisach", "prandtl-ishlinskii", "choi-backlash"} <= set(plain)
     assert not any(extended(name) for name in plain)
     everything = plan_run(["all"], ["vsa-minor-loops"], True).models
-    assert everything == models.ids()
+    assert everything == models.benchmarked_ids()
+    assert "corrected-simulator" not in everything
+    assert plan_run(["corrected-simulator"], ["vsa-minor-loops"], True).models == ["corrected-simulator"]
     assert set(everything) - set(plain) == {name for name in everything if extended(name)} != set()
     assert plan_run(["lugre", "cubic", "lugre"], ["vsa-minor-loops"], True).models == ["lugre", "cubic"]
 

@@ -356,7 +356,7 @@ def test_the_command_prints_findings_and_models(folder: Path, capsys: pytest.Cap
     lines = told.out.splitlines()
     assert any("white noise 0.002" in line for line in lines)
     assert any(line.startswith("? congruency") for line in lines)
-    assert [line.split()[0] for line in lines[lines.index("") + 1 :]] == models.ids()
+    assert [line.split()[0] for line in lines[lines.index("") + 1 :]] == models.benchmarked_ids()
     assert told.err == ""
     pd.read_csv("loop.csv").drop(columns="time_s").to_csv("untimed.csv", index=False)
     assert execute(cli, ["data", "check", "untimed.csv"]) == 0
@@ -370,7 +370,7 @@ def test_the_command_for_machines(folder: Path, capsys: pytest.CaptureFixture[st
     assert document["measured"]["coverage"]["turns"] == 12
     assert document["measured"]["congruency"] is None
     assert document["measured"]["wiping_out"]["n"] == 3
-    assert {one["model"] for one in document["models"]} == set(models.ids())
+    assert {one["model"] for one in document["models"]} == set(models.benchmarked_ids())
 
 
 class Tags(HTMLParser):

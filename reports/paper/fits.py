@@ -83,7 +83,7 @@ def fit_models(
     Parameters
     ----------
     names : sequence of str, optional
-        Model ids (default: all registered, the paper's three first).
+        Model ids (default: all that stand for themselves, the paper's three first).
     condition : str
         What is done to the signals, see :data:`hystbench.bench.conditions.CONDITIONS`.
     seeds : sequence of int
@@ -92,7 +92,7 @@ def fit_models(
         Processes.
     """
     if names is None:
-        names = [*PAPER_MODELS, *(name for name in models.ids() if name not in PAPER_MODELS)]
+        names = [*PAPER_MODELS, *(name for name in models.benchmarked_ids() if name not in PAPER_MODELS)]
     dataset = datasets.get(DATASET)().load()
     conditioned = {seed: apply(dataset, condition, seed) for seed in seeds}
     # Models beyond the paper's three stand beside no printed figure: one seed shows where they are.
