@@ -11,17 +11,23 @@ plant with a hardening spring) keep tuning and reporting apart.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
-__all__ = ["EFFECTS", "OUTSIDE", "PLANTS", "Case", "Made", "make"]
+from .motions import MOTIONS
+from .plant import Case, Joint, Made, Plant, sized
+
+__all__ = ["EFFECTS", "MUJOCO", "OUTSIDE", "PLANTS", "AnalyticJoint", "Case", "Made", "make", "plant_of"]
 
 Floats = NDArray[np.float64]
+MUJOCO = "mujoco"
+"""Name of the plant that is simulated by MuJoCo."""
 
 
 @njit(cache=True)
@@ -58,34 +64,6 @@ def _bouc_wen(x, stiffness, strength, sharpness, out):
             s = 1.0 if middle * h > 0.0 else -1.0
             z += h * stiffness * (1.0 - s * abs(middle / strength) ** sharpness)
         out[i] = z
-
-
-@dataclass(frozen=True)
-class Case:
-    """What a blind recording is made of. Everything random follows from ``seed``."""
-
-    plant: str
-    effects: tuple[str, ...]
-    ratio: float
-    """RMS of each effect's gap over the torque noise."""
-    base_error: float
-    """Relative error of the simulator's parameters (standard deviation)."""
-    motion: str
-    seed: int
-    excluded: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class Made:
-    """A recording, the simulator's output, and what only the scorer may see."""
-
-    time: Floats
-    x: Floats
-    y_real: Floats
-    y_sim: Floats
-    noise: float
-    oracle_closed: float
-    contributions: dict[str, Floats] = field(default_factory=dict)
 
 
 # ---- base plants ----------------------------------------------------------------------------------------------------
@@ -186,64 +164,31 @@ PLANTS: dict[str, Callable[[np.random.Generator, float], _Base]] = {
 }
 
 
-# ---- motions --------------------------------------------------------------------------------------------------------
-
-
-def _rich(rng: np.random.Generator, reach: float, seconds: float, rate: float) -> tuple[Floats, Floats]:
-    """Bursts of sines of many amplitudes and rates, ramps and holds; smooth, zero at both ends."""
-    time = np.arange(int(seconds * rate)) / rate
-    knots, values = [0.0], [0.0]
-    at = 0.0
-    while at < seconds:
-        kind = rng.choice(["sine", "hold", "ramp"], p=[0.6, 0.2, 0.2])
-        amplitude = reach * rng.choice([1.0, 0.8, 0.6, 0.4, 0.25], p=[0.3, 0.2, 0.2, 0.15, 0.15])
-        if kind == "sine":
-            period = 1.0 / rng.choice([0.3, 0.5, 0.8, 1.2, 2.0])
-            for k in range(int(rng.integers(2, 5))):
-                at += 0.5 * period
-                knots.append(at)
-                values.append(amplitude * (1.0 if k % 2 == 0 else -1.0) * rng.uniform(0.85, 1.0))
-        elif kind == "ramp":
-            at += rng.uniform(0.8, 3.0)
-            knots.append(at)
-            values.append(amplitude * rng.choice([-1.0, 1.0]))
-        else:
-            at += rng.uniform(0.5, 2.0)
-            knots.append(at)
-            values.append(values[-1])
-    from scipy.interpolate import PchipInterpolator
-
-    return time, PchipInterpolator(knots, values)(time)
-
-
-def _sweeps(rng: np.random.Generator, reach: float, seconds: float, rate: float) -> tuple[Floats, Floats]:
-    """Two chirps and a sum of incommensurate sines under a slow envelope."""
-    time = np.arange(int(seconds * rate)) / rate
-    u = time / seconds
-    chirp = np.sin(2.0 * np.pi * (0.15 * time + 0.5 * (rng.uniform(1.0, 2.0) - 0.15) / seconds * time**2))
-    sum_of = (
-        sum(
-            np.sin(2.0 * np.pi * f * time + p)
-            for f, p in zip(rng.uniform(0.1, 1.3, 4), rng.uniform(0.0, 6.28, 4), strict=True)
-        )
-        / 2.2
-    )
-    envelope = 0.35 + 0.65 * np.sin(np.pi * rng.uniform(2.0, 3.5) * u + 0.3) ** 2
-    blend = 0.5 - 0.5 * np.cos(np.pi * np.clip((u - 0.46) / 0.08, 0.0, 1.0))
-    start = 0.5 - 0.5 * np.cos(np.pi * np.clip(time / 0.8, 0.0, 1.0))
-    x = envelope * start * ((1.0 - blend) * chirp + blend * sum_of)
-    return time, reach * x / float(np.max(np.abs(x)))
-
-
-def _one_sine(rng: np.random.Generator, reach: float, seconds: float, rate: float) -> tuple[Floats, Floats]:
-    time = np.arange(int(seconds * rate)) / rate
-    return time, reach * np.sin(2.0 * np.pi * 0.5 * time)
-
-
-MOTIONS = {"rich": _rich, "sweeps": _sweeps, "one sine": _one_sine}
-
-
 # ---- effects of the plants ------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Typical:
+    """Scales of the motion for which a joint was designed; they make its effects' parameters absolute."""
+
+    torque: float
+    most_torque: float
+    speed: float
+    acceleration: float
+    power: float
+    up: float
+    down: float
+    travel: float
+    duration: float
+
+    @classmethod
+    def of(cls, time: Floats, x: Floats, torque: Floats) -> _Typical:
+        speed = np.gradient(x, time)
+        return cls(
+            float(np.std(torque)), float(np.max(np.abs(torque))), float(np.std(speed)),
+            float(np.std(CubicSpline(time, x)(time, 2))), float(np.mean(np.abs(torque * speed))),
+            float(np.max(x)), float(-np.min(x)), float(np.sum(np.abs(np.diff(x)))), float(time[-1]),
+        )  # fmt: skip
 
 
 @dataclass
@@ -253,16 +198,17 @@ class _Joint:
     time: Floats
     x: Floats
     base: _Base
-    driven: Floats
-    """Input of the base plant."""
+    typical: _Typical
     torque: Floats
     measured: Floats
     speed: Floats = field(init=False)
-    scale: float = field(init=False)
 
     def __post_init__(self) -> None:
         self.speed = np.gradient(self.x, self.time)
-        self.scale = float(np.std(self.torque))
+
+    @property
+    def scale(self) -> float:
+        return self.typical.torque
 
 
 def _jenkins_sign(x: Floats, length: float) -> Floats:
@@ -272,7 +218,7 @@ def _jenkins_sign(x: Floats, length: float) -> Floats:
 
 
 def _viscous(j: _Joint, a: float, rng: np.random.Generator) -> None:
-    typical = np.std(j.speed)
+    typical = j.typical.speed
     j.torque = j.torque + a * 0.1 * j.scale * (j.speed / typical) * (1.0 + (j.speed / (3.0 * typical)) ** 2) ** -0.1
 
 
@@ -281,7 +227,7 @@ def _coulomb(j: _Joint, a: float, rng: np.random.Generator) -> None:
 
 
 def _stribeck(j: _Joint, a: float, rng: np.random.Generator) -> None:
-    slow = rng.uniform(0.1, 0.3) * np.std(j.speed)
+    slow = rng.uniform(0.1, 0.3) * j.typical.speed
     curve = 0.5 + rng.uniform(0.8, 1.5) / (1.0 + np.abs(j.speed / slow) ** 1.5)
     j.torque = j.torque + a * 0.1 * j.scale * curve * _jenkins_sign(j.x, 0.006 * j.base.reach)
 
@@ -309,21 +255,20 @@ def _relaxation(j: _Joint, a: float, rng: np.random.Generator) -> None:
 
 def _thermal(j: _Joint, a: float, rng: np.random.Generator) -> None:
     """Heat balance: losses in proportion to |torque · speed| against cooling; the zero follows the temperature."""
-    power = np.abs(j.torque * j.speed) + 0.3 * np.mean(np.abs(j.torque * j.speed))
-    tau = rng.uniform(0.2, 0.8) * j.time[-1]
+    power = np.abs(j.torque * j.speed) / j.typical.power + 0.3
+    tau = rng.uniform(0.2, 0.8) * j.typical.duration
     temperature = np.empty_like(j.x)
     t = 0.0
     dt = j.time[1] - j.time[0]
     for i in range(j.x.size):
         t += dt * (power[i] - t) / tau
         temperature[i] = t
-    temperature /= np.std(temperature)
     j.torque = j.torque + a * 0.1 * j.scale * temperature
 
 
 def _softening(j: _Joint, a: float, rng: np.random.Generator) -> None:
     travel = np.cumsum(np.abs(np.diff(j.x, prepend=j.x[0])))
-    constant = rng.uniform(0.1, 0.5) * travel[-1]
+    constant = rng.uniform(0.1, 0.5) * j.typical.travel
     j.torque = j.torque * (1.0 - min(a * 0.2, 0.9) * travel / (constant + travel))
 
 
@@ -336,8 +281,6 @@ def _gain(j: _Joint, a: float, rng: np.random.Generator) -> None:
 
 
 def _delay(j: _Joint, a: float, rng: np.random.Generator) -> None:
-    from scipy.interpolate import CubicSpline
-
     late = a * 0.02
     spline = CubicSpline(j.time, j.torque)
     j.torque = spline(np.clip(j.time - late, j.time[0], None))
@@ -358,16 +301,14 @@ def _backlash(j: _Joint, a: float, rng: np.random.Generator) -> None:
 
 def _stop(j: _Joint, a: float, rng: np.random.Generator) -> None:
     sign = rng.choice([-1.0, 1.0])
-    depth = np.maximum(sign * j.x - rng.uniform(0.7, 0.88) * np.max(sign * j.x), 0.0)
+    depth = np.maximum(sign * j.x - rng.uniform(0.7, 0.88) * (j.typical.up if sign > 0.0 else j.typical.down), 0.0)
     soft = 0.02 * j.base.reach
     j.torque = j.torque + sign * a * 5.0 * j.scale / j.base.reach * (np.sqrt(depth**2 + soft**2) - soft)
 
 
 def _inertia(j: _Joint, a: float, rng: np.random.Generator) -> None:
-    from scipy.interpolate import CubicSpline
-
     acceleration = CubicSpline(j.time, j.x)(j.time, 2)
-    j.torque = j.torque + a * 0.1 * j.scale * acceleration / np.std(acceleration)
+    j.torque = j.torque + a * 0.1 * j.scale * acceleration / j.typical.acceleration
 
 
 def _eccentric(j: _Joint, a: float, rng: np.random.Generator) -> None:
@@ -390,7 +331,7 @@ def _asymmetry(j: _Joint, a: float, rng: np.random.Generator) -> None:
 
 def _saturation(j: _Joint, a: float, rng: np.random.Generator) -> None:
     # A larger size means a lower limit.
-    limit = np.max(np.abs(j.torque)) / (1.0 + 0.25 * a)
+    limit = j.typical.most_torque / (1.0 + 0.25 * a)
     j.torque = j.torque / (1.0 + np.abs(j.torque / limit) ** 12) ** (1.0 / 12.0)
 
 
@@ -435,7 +376,7 @@ def _wandering(j: _Joint, a: float, rng: np.random.Generator) -> None:
 
 def _jumps(j: _Joint, a: float, rng: np.random.Generator) -> None:
     """A sensor whose zero jumps."""
-    edges = np.sort(rng.uniform(0.0, j.time[-1], 9))
+    edges = np.sort(rng.uniform(0.0, j.typical.duration, 9))
     levels = rng.standard_normal(10)
     j.torque = j.torque + a * 0.1 * j.scale * levels[np.searchsorted(edges, j.time)]
 
@@ -453,53 +394,63 @@ OUTSIDE: dict[str, Callable[[_Joint, float, np.random.Generator], None]] = {
 """Effects that no entry of the registry describes."""
 
 
+SENSED = ("torque_gain", "torque_offset", "sensor_delay", "torque_saturation")
+"""Effects of the torque sensor, which sees what all others made."""
+
+
+class AnalyticJoint:
+    """A joint of one of :data:`PLANTS`; its effects' parameters are chosen for the motion ``x`` and kept for others."""
+
+    def __init__(
+        self, plant: str, seed: int, base_error: float, motion: Callable[[float], tuple[Floats, Floats]]
+    ) -> None:
+        self._base = PLANTS[plant](np.random.default_rng([seed, 0]), base_error)
+        self._seed = seed
+        self.reach = self._base.reach
+        # A Bouc-Wen simulator drifts under input noise (it breaks Drucker's postulate): it is given the clean motion.
+        self.clean_input = self._base.clean_input
+        time, x = motion(self.reach)
+        self._typical = _Typical.of(time, x, self._base.real(x))
+
+    def real(self, time: Floats, x: Floats, sizes: Mapping[str, float]) -> tuple[Floats, Floats]:
+        """Measured deflection and torque, free of noise, with effects of the given sizes."""
+        state = _Joint(time, x, self._base, self._typical, self._base.real(x), x.copy())
+        known = {**EFFECTS, **OUTSIDE}
+        order = list(known)
+        for name in sorted(sizes, key=lambda n: (n in SENSED, order.index(n))):
+            known[name](state, sizes[name], np.random.default_rng([self._seed, 2, order.index(name)]))
+        return state.measured, state.torque
+
+    def simulated(self, time: Floats, x: Floats) -> Floats:
+        """The simulator's torque."""
+        return self._base.simulated(x)
+
+
+def joint_of(case: Case, seconds: float, rate: float) -> tuple[Joint, Floats, Floats]:
+    """The case's joint without its effects, and the motion along which it is recorded."""
+
+    def motion(reach: float) -> tuple[Floats, Floats]:
+        return MOTIONS[case.motion](np.random.default_rng([case.seed, 1]), reach, seconds, rate)
+
+    if case.plant == MUJOCO:
+        from .mujoco_plant import MujocoJoint
+
+        joint: Joint = MujocoJoint(case.seed, case.base_error, motion)
+    else:
+        joint = AnalyticJoint(case.plant, case.seed, case.base_error, motion)
+    return joint, *motion(joint.reach)
+
+
+def plant_of(case: Case, seconds: float = 45.0, rate: float = 100.0) -> tuple[Plant, Floats, Floats]:
+    """The case's plant, and the motion along which it is recorded."""
+    joint, time, x = joint_of(case, seconds, rate)
+    return sized(joint, case.effects, case.ratio, time, x), time, x
+
+
 def make(case: Case, seconds: float = 45.0, rate: float = 100.0) -> Made:
     """Make the recording of ``case``.
 
     The noise is fixed and each effect's size is found such that its own gap has ``ratio`` times the noise's RMS.
     """
-    design, moving, shaping, sensing = (np.random.default_rng([case.seed, k]) for k in range(4))
-    base = PLANTS[case.plant](design, case.base_error)
-    time, x = MOTIONS[case.motion](moving, base.reach, seconds, rate)
-    clean = base.real(x)
-    noise = 0.004 * float(np.std(clean))
-    all_effects = {**EFFECTS, **OUTSIDE}
-    seeds = {name: int(shaping.integers(2**31)) for name in case.effects}
-
-    def joint(sizes: dict[str, float]) -> tuple[Floats, Floats]:
-        state = _Joint(time, x, base, x, base.real(x), x.copy())
-        # Load and base first, sensors last.
-        for name in sorted(
-            sizes, key=lambda n: n in ("torque_gain", "torque_offset", "sensor_delay", "torque_saturation")
-        ):
-            all_effects[name](state, sizes[name], np.random.default_rng(seeds[name]))
-        return state.measured, state.torque
-
-    def gap_of(name: str, size: float) -> float:
-        measured, torque = joint({name: size})
-        return float(np.sqrt(np.mean(np.square(torque - base.real(measured)))))
-
-    sizes = {}
-    for name in case.effects:
-        wanted, low, high = case.ratio * noise, 1e-4, 60.0
-        for _ in range(30):
-            middle = np.sqrt(low * high)
-            low, high = (middle, high) if gap_of(name, middle) < wanted else (low, middle)
-        sizes[name] = float(np.sqrt(low * high))
-    measured, torque = joint(sizes)
-    x_noise = 1e-4 * base.reach * sensing.standard_normal(x.size)
-    x_seen = measured + x_noise
-    y_real = torque + noise * sensing.standard_normal(x.size)
-    # A Bouc-Wen simulator drifts under input noise (it breaks Drucker's postulate): it is given the clean motion.
-    y_sim = base.simulated(measured if base.clean_input else x_seen)
-    # The oracle adds the true effect to the very simulator that is given.
-    truth = torque - base.real(measured)
-    gap = y_real - y_sim
-    floor = noise**2
-    before, left = float(np.mean(np.square(gap))), float(np.mean(np.square(gap - truth)))
-    oracle = 1.0 - (left - floor) / max(before - floor, 1e-300)
-    contributions = {}
-    for name in case.effects:
-        m, t = joint({name: sizes[name]})
-        contributions[name] = t - base.real(m)
-    return Made(time, x_seen, y_real, y_sim, noise, oracle, contributions)
+    plant, time, x = plant_of(case, seconds, rate)
+    return plant.record(time, x, np.random.default_rng([case.seed, 3]))

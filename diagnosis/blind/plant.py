@@ -1,0 +1,125 @@
+"""What every plant of the blind check is: a joint that can be driven along any motion, with a simulator beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+__all__ = ["BASE_ERROR", "Case", "Joint", "Made", "Plant", "sized"]
+
+Floats = NDArray[np.float64]
+NOISE = 0.004
+"""Standard deviation of the torque's noise over that of the torque."""
+ENCODER_NOISE = 1e-4
+"""Standard deviation of the deflection's noise over the reach."""
+SMALLEST, LARGEST = 1e-4, 60.0
+"""Sizes of an effect between which the one with the wanted gap is searched; 1 is typical."""
+BASE_ERROR = 0.04
+"""Relative error of a badly calibrated simulator's parameters."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """What a blind recording is made of. Everything random follows from ``seed``."""
+
+    plant: str
+    effects: tuple[str, ...]
+    ratio: float
+    """RMS of each effect's gap over the torque noise."""
+    base_error: float
+    """Relative error of the simulator's parameters (standard deviation)."""
+    motion: str
+    seed: int
+    excluded: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Made:
+    """A recording, the simulator's output, and what only the scorer may see."""
+
+    time: Floats
+    x: Floats
+    y_real: Floats
+    y_sim: Floats
+    noise: float
+    oracle_closed: float
+    contributions: dict[str, Floats]
+
+
+class Joint(Protocol):
+    """One random design of a plant, its parameters absolute: the same joint whatever the motion.
+
+    All arrays have shape (n,), in s, rad and N·m, sampled at equal intervals.
+    """
+
+    reach: float
+    clean_input: bool
+    """Whether the simulator is driven by the measured motion without the encoder's noise."""
+
+    def real(self, time: Floats, x: Floats, sizes: Mapping[str, float]) -> tuple[Floats, Floats]:
+        """Measured deflection and torque, free of noise, with effects of the given sizes."""
+        ...
+
+    def simulated(self, time: Floats, x: Floats) -> Floats:
+        """The simulator's torque."""
+        ...
+
+
+@dataclass(frozen=True)
+class Plant:
+    """A joint with effects of fixed sizes, ready to be recorded along any motion."""
+
+    joint: Joint
+    sizes: Mapping[str, float]
+    noise: float
+
+    def record(self, time: Floats, x: Floats, rng: np.random.Generator) -> Made:
+        """Drive the joint along ``x`` from rest."""
+        none = self.joint.real(time, x, {})[1]
+        measured, torque = self.joint.real(time, x, self.sizes)
+        seen = measured + ENCODER_NOISE * self.joint.reach * rng.standard_normal(x.size)
+        y_real = torque + self.noise * rng.standard_normal(x.size)
+        y_sim = self.joint.simulated(time, measured if self.joint.clean_input else seen)
+        # The oracle adds the true effect to the very simulator that is given.
+        truth = torque - self._base_at(time, x, measured, none)
+        gap = y_real - y_sim
+        floor = self.noise**2
+        before, left = float(np.mean(np.square(gap))), float(np.mean(np.square(gap - truth)))
+        oracle = 1.0 - (left - floor) / max(before - floor, 1e-300)
+        alone = {name: self.contribution(time, x, name, none) for name in self.sizes}
+        return Made(time, seen, y_real, y_sim, self.noise, oracle, alone)
+
+    def contribution(self, time: Floats, x: Floats, name: str, none: Floats | None = None) -> Floats:
+        """Gap that one effect would leave beside an exact simulator, N·m, shape (n,)."""
+        return _alone(self.joint, time, x, name, self.sizes[name], none)
+
+    def _base_at(self, time: Floats, x: Floats, measured: Floats, none: Floats) -> Floats:
+        return none if np.array_equal(measured, x) else self.joint.real(time, measured, {})[1]
+
+
+def _alone(joint: Joint, time: Floats, x: Floats, name: str, size: float, none: Floats | None = None) -> Floats:
+    measured, torque = joint.real(time, x, {name: size})
+    if none is not None and np.array_equal(measured, x):
+        return torque - none
+    return torque - joint.real(time, measured, {})[1]
+
+
+def sized(joint: Joint, effects: tuple[str, ...], ratio: float, time: Floats, x: Floats) -> Plant:
+    """Choose each effect's size such that its own gap along ``x`` has ``ratio`` times the noise's RMS."""
+    none = joint.real(time, x, {})[1]
+    noise = NOISE * float(np.std(none))
+
+    def excess(log_size: float, name: str) -> float:
+        gap = _alone(joint, time, x, name, float(np.exp(log_size)), none)
+        return float(np.log(max(np.sqrt(np.mean(np.square(gap))), 1e-12) / (ratio * noise)))
+
+    sizes = {
+        name: float(np.exp(brentq(excess, np.log(SMALLEST), np.log(LARGEST), args=(name,), xtol=0.01)))
+        for name in effects
+    }
+    return Plant(joint, sizes, noise)
