@@ -42,15 +42,12 @@ def _initial_state(capacity: int) -> Floats:
 
 @njit(cache=True)
 def _curve(x, rising, curves, stroke):
-    """A curve's value; outside the stroke it continues with its end slope, where its polynomial would explode."""
-    row = (0 if rising else 2) + (0 if x >= 0.0 else 1)
-    at = min(max(x, stroke[0]), stroke[1])
+    """A curve's value: the row of its side of zero within the stroke, below it (4 rows on) or above it (8 rows on)."""
+    row = (0 if rising else 2) + (0 if x >= 0.0 else 1) + (4 if x < stroke[0] else 0) + (8 if x > stroke[1] else 0)
     value = 0.0
-    slope = 0.0
     for k in range(curves.shape[1] - 1, -1, -1):
-        slope = slope * at + value
-        value = value * at + curves[row, k]
-    return value + slope * (x - at) if x != at else value
+        value = value * x + curves[row, k]
+    return value
 
 
 @njit(cache=True)
@@ -380,11 +377,19 @@ class ChoiBacklash(HysteresisModel):
 
 
 def _kernel_parameters(curves: dict[str, Any], slopes: Sequence[float], stroke: Floats) -> tuple[Any, ...]:
-    """The polynomials as rows of one table, in the order of ``CURVES``; the transition slopes; the stroke."""
-    table = np.zeros((len(CURVES), max(curves[name].size for name in CURVES)))
+    """The polynomials as rows of one table in the order of ``CURVES``, the transition slopes, the stroke.
+
+    Beyond the stroke, where a polynomial would explode, a curve continues with its end slope: four rows for each end.
+    """
+    table = np.zeros((3 * len(CURVES), max(2, *(curves[name].size for name in CURVES))))
     for row, name in enumerate(CURVES):
         table[row, : curves[name].size] = curves[name]
-    return table, (float(slopes[0]), float(slopes[1])), stroke
+        polynomial = Polynomial(curves[name])
+        for beyond, end in zip((4, 8), stroke, strict=True):
+            if np.isfinite(end):
+                table[row + beyond, 1] = slope = polynomial.deriv()(end)
+                table[row + beyond, 0] = polynomial(end) - slope * end
+    return table, (float(slopes[0]), float(slopes[1])), (float(stroke[0]), float(stroke[1]))
 
 
 def _since_turn(x: Floats, dead_band: float) -> Floats:

@@ -30,7 +30,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numba import njit
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq, isotonic_regression
 
 from ..errors import InputError
@@ -46,6 +46,9 @@ CLOSING = 0.05
 
 TIE = 0.02
 """Divisions of the loop whose training errors differ by less than this fraction count as equal."""
+
+BINS = 512
+"""Parts of equal width into which a polyline is divided to find a segment at once."""
 
 OVERSHOOT = 0.01
 """A transition may pass the curve that it joins by this fraction of the gap (rounding, noise); the rest is an error."""
@@ -100,26 +103,34 @@ def _segment(x, vertices, k, first, final):
 @njit(cache=True)
 def _run(x, state, params, out):
     # The state is held in local variables meanwhile, and both curves (and both shapes) lie in one array: arrays chosen
-    # or unpacked at each sample would cost many times as much.
-    vx, vy, lower_from, sx, sy, negative_from, slopes = params
+    # or unpacked at each sample would cost many times as much. Bins of equal width lead to a polyline's segment.
+    vx, vy, rates, lower_from, bins, bins_from, per_bin, sx, sy, closings, negative_from, shape_bins, slopes = params
     started = state[_STARTED] != 0.0
     n = int(state[_COUNT])
     last = state[_X]
     y = state[_Y]
     direction = state[_DIRECTION]
-    total_gap = state[_GAP]
+    gap = state[_GAP]
     total_length = state[_LENGTH]
-    k = 0
-    q = 0
+    bins_each = bins.size // 2
+    shape_bins_each = shape_bins.size // 2
+    # The path: where it began, the turning point that it aims at, its height, and one over its length.
+    at_x = 0.0
+    at_y = 0.0
+    aim = 0.0
+    height = 0.0
+    per_length = 0.0
+    side = 0
+    shape = 0
+    known = False
     for i in range(x.size):
         now = x[i]
         if not started:
             # Midway between the curves, as the paper's start in A = G is on both.
             y = 0.0
-            for side in range(2):
-                first, final = (0, lower_from - 1) if side == 0 else (lower_from, vx.size - 1)
-                k = _segment(now, vx, k, first, final)
-                y += 0.5 * (vy[k] + (now - vx[k]) * (vy[k + 1] - vy[k]) / (vx[k + 1] - vx[k]))
+            for first, final in ((0, lower_from - 1), (lower_from, vx.size - 1)):
+                k = _segment(now, vx, first, first, final)
+                y += 0.5 * (vy[k] + (now - vx[k]) * rates[k])
             started = True
             last = now
             n = 1
@@ -131,82 +142,90 @@ def _run(x, state, params, out):
             out[i] = y
             continue
         towards = 1.0 if now > last else -1.0
-        first, final = (0, lower_from - 1) if towards > 0.0 else (lower_from, vx.size - 1)
-        turned = False
-        if towards != direction:
-            if direction != 0.0:
-                state[_STACK + 2 * n] = last
-                state[_STACK + 2 * n + 1] = y
-                n += 1
-            turned = n == 1
-            direction = towards
-        # Passing the turning point that the path aims at closes the minor loop and resumes the interrupted path.
-        while n >= 2 and direction * (now - state[_STACK + 2 * n - 4]) >= 0.0:
-            turned = n == 2
-            n = max(n - 2, 1)
-        at_x = 0.0
-        at_y = 0.0
-        if n >= 1:
-            at_x = state[_STACK + 2 * n - 2]
-            at_y = state[_STACK + 2 * n - 1]
-        shape_from, shape_to = (0, negative_from - 1) if at_x >= 0.0 else (negative_from, sx.size - 1)
-        if turned:
-            # The base transition from the turning point to the curve ahead: its gap, and its length by Eqs. 11-14.
-            mean_slope = slopes[0] if at_x >= 0.0 else slopes[1]
-            k = _segment(at_x, vx, k, first, final)
-            slope = (vy[k + 1] - vy[k]) / (vx[k + 1] - vx[k])
-            gap = direction * (vy[k] + (at_x - vx[k]) * slope - at_y)
-            length = 0.0
-            if abs(gap) <= 1e-12 * (vy[final] - vy[first]):
-                gap = 0.0
-            elif gap > 0.0:
-                left = gap
-                at = at_x
-                while True:
-                    # A turning point on a vertex belongs to the segment ahead.
-                    if direction > 0.0:
-                        while k < final - 1 and at >= vx[k + 1]:
-                            k += 1
-                        end = vx[k + 1] if k < final - 1 else np.inf
-                    else:
-                        while k > first and at <= vx[k]:
-                            k -= 1
-                        end = vx[k] if k > first else -np.inf
-                    slope = (vy[k + 1] - vy[k]) / (vx[k + 1] - vx[k])
-                    rate = max(mean_slope - slope, CLOSING * mean_slope)
-                    stretch = abs(end - at)
-                    if rate * stretch >= left:
-                        length += left / rate
-                        break
-                    left -= rate * stretch
-                    length += stretch
-                    at = end
+        if towards != direction or not known or direction * (now - aim) >= 0.0:
+            turned = False
+            if towards != direction:
+                if direction != 0.0:
+                    state[_STACK + 2 * n] = last
+                    state[_STACK + 2 * n + 1] = y
+                    n += 1
+                turned = n == 1
+                direction = towards
+            # Passing the turning point that the path aims at closes the minor loop and resumes the interrupted path.
+            while n >= 2 and direction * (now - state[_STACK + 2 * n - 4]) >= 0.0:
+                turned = n == 2
+                n = max(n - 2, 1)
+            side = 0 if direction > 0.0 else 1
+            first, final = (0, lower_from - 1) if side == 0 else (lower_from, vx.size - 1)
+            if n >= 1:
+                at_x = state[_STACK + 2 * n - 2]
+                at_y = state[_STACK + 2 * n - 1]
+            shape = 0 if at_x >= 0.0 else 1
+            if turned:
+                # The base transition from the turning point to the curve ahead: its gap, and its length by Eqs. 11-14.
+                k = _segment(at_x, vx, first, first, final)
+                gap = direction * (vy[k] + (at_x - vx[k]) * rates[k] - at_y)
+                total_length = 0.0
+                if abs(gap) <= 1e-12 * (vy[final] - vy[first]):
+                    gap = 0.0
+                elif gap > 0.0:
+                    left = gap
+                    at = at_x
+                    while True:
+                        # A turning point on a vertex belongs to the segment ahead.
+                        if direction > 0.0:
+                            while k < final - 1 and at >= vx[k + 1]:
+                                k += 1
+                            end = vx[k + 1] if k < final - 1 else np.inf
+                        else:
+                            while k > first and at <= vx[k]:
+                                k -= 1
+                            end = vx[k] if k > first else -np.inf
+                        rate = max(slopes[shape] - rates[k], CLOSING * slopes[shape])
+                        stretch = abs(end - at)
+                        if rate * stretch >= left:
+                            total_length += left / rate
+                            break
+                        left -= rate * stretch
+                        total_length += stretch
+                        at = end
+                else:
+                    # The curves cross here (the printed ones do near H): approach from beyond, slowly enough to rise.
+                    steepest = 0.0
+                    for p in range(*((0, negative_from - 1) if shape == 0 else (negative_from, sx.size - 1))):
+                        steepest = max(steepest, closings[p])
+                    total_length = max(slopes[2 + shape], -2.0 * gap * steepest / slopes[4])
+            if n >= 2:
+                aim = state[_STACK + 2 * n - 4]
+                height = state[_STACK + 2 * n - 3] - at_y
+                per_length = 1.0 / abs(aim - at_x)
             else:
-                # The curves cross here (the printed ones do near H): approach from beyond, slowly enough to keep rising.
-                steepest = 0.0
-                for p in range(shape_from, shape_to):
-                    steepest = max(steepest, (sy[p + 1] - sy[p]) / (sx[p + 1] - sx[p]))
-                length = max(slopes[2 if at_x >= 0.0 else 3], -2.0 * gap * steepest / slopes[4])
-            total_gap = gap
-            total_length = length
-        if n == 1 and abs(now - at_x) >= total_length:
+                aim = direction * np.inf
+                per_length = 1.0 / total_length if total_length > 0.0 else 0.0
+            known = True
+        way = abs(now - at_x)
+        if n == 1 and way >= total_length:
             n = 0
         closed = 0.0
         if n >= 1:
-            length = total_length if n == 1 else abs(state[_STACK + 2 * n - 4] - at_x)
-            u = abs(now - at_x) / length
-            # Mostly the last segment still holds, and a call with arrays costs more than the rest of a sample.
-            if not (shape_from <= q < shape_to and sx[q] < u <= sx[q + 1]):
-                q = _segment(u, sx, q, shape_from, shape_to)
-            closed = sy[q] + (u - sx[q]) * (sy[q + 1] - sy[q]) / (sx[q + 1] - sx[q])
+            u = min(way * per_length, 1.0)
+            q = shape_bins[shape * shape_bins_each + min(int(u * shape_bins_each), shape_bins_each - 1)]
+            q += int(u > sx[q + 1])
+            while u > sx[q + 1]:
+                q += 1
+            closed = sy[q] + (u - sx[q]) * closings[q]
         if n >= 2:
-            y = at_y + closed * (state[_STACK + 2 * n - 3] - at_y)
+            y = at_y + closed * height
         else:
-            if not (first <= k < final and vx[k] < now <= vx[k + 1]):
-                k = _segment(now, vx, k, first, final)
-            y = vy[k] + (now - vx[k]) * (vy[k + 1] - vy[k]) / (vx[k + 1] - vx[k])
+            place = (now - bins_from[side]) * per_bin[side]
+            k = bins[side * bins_each + int(min(max(place, 0.0), bins_each - 1.0))]
+            final = lower_from - 1 if side == 0 else vx.size - 1
+            k += int(k < final - 1 and now > vx[k + 1])
+            while k < final - 1 and now > vx[k + 1]:
+                k += 1
+            y = vy[k] + (now - vx[k]) * rates[k]
             if n == 1:
-                y -= direction * total_gap * (1.0 - closed)
+                y -= direction * gap * (1.0 - closed)
         last = now
         out[i] = y
     state[_STARTED] = 1.0 if started else 0.0
@@ -214,7 +233,7 @@ def _run(x, state, params, out):
     state[_X] = last
     state[_Y] = y
     state[_DIRECTION] = direction
-    state[_GAP] = total_gap
+    state[_GAP] = gap
     state[_LENGTH] = total_length
 
 
@@ -228,7 +247,9 @@ def _step(x, state, params, commit):
 @njit(cache=True)
 def _next_vertex(state, params):
     """The next input, in the direction of motion, at which the current path bends (infinite where it never does)."""
-    vx, _vy, lower_from, sx, _sy, negative_from, _slopes = params
+    vx, _vy, _rates, lower_from, _bins, _from, _per_bin, sx, _sy, _closings, negative_from, _shape_bins, _slopes = (
+        params
+    )
     direction = state[_DIRECTION]
     x = state[_X]
     n = int(state[_COUNT])
@@ -485,12 +506,18 @@ class MaxwellSlip(HysteresisModel):
         gentlest = min(np.min(np.diff(c[:, 1]) / np.diff(c[:, 0])) for c in (upper, lower))
         self._curves = (*upper.T, *lower.T)
         self._slopes = np.array([*slopes, *lengths, gentlest])
-        vertices, shape = np.vstack([upper, lower]), np.hstack(shapes)
+        curves = [np.ascontiguousarray(curve.T) for curve in (upper, lower)]
         self._params = (
-            *(np.ascontiguousarray(column) for column in vertices.T),
+            *_polylines(curves),
             upper.shape[0],
-            *(np.ascontiguousarray(row) for row in shape),
+            np.concatenate([_bins(curve[0], place) for curve, place in zip(curves, (0, upper.shape[0]), strict=True)]),
+            np.array([curve[0, 0] for curve in curves]),
+            np.array([BINS / np.ptp(curve[0]) for curve in curves]),
+            *_polylines(shapes),
             shapes[0].shape[1],
+            np.concatenate(
+                [_bins(shape[0], place) for shape, place in zip(shapes, (0, shapes[0].shape[1]), strict=True)]
+            ),
             self._slopes,
         )
 
@@ -581,6 +608,19 @@ class MaxwellSlip(HysteresisModel):
             )
         geometry = self.parameters_["geometry"]
         return out if geometry is None else _deflection(out, *geometry)
+
+
+def _polylines(pair: Sequence[Floats]) -> tuple[Floats, Floats, Floats]:
+    """Two polylines (2, m) end to end: x, y, and each segment's slope (none where one ends and the other begins)."""
+    x, y = np.hstack(pair)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return x, y, np.append(np.diff(y) / np.diff(x), 0.0)
+
+
+def _bins(x: Floats, place: int) -> NDArray[np.int64]:
+    """For each of ``BINS`` parts of equal width the segment in which it begins, counted from ``place``."""
+    begin = x[0] + np.ptp(x) * np.arange(BINS) / BINS
+    return place + np.clip(np.searchsorted(x, begin, side="right") - 1, 0, x.size - 2)
 
 
 def _extended(x: Floats, curve_x: Floats, curve_y: Floats) -> Floats:

@@ -34,8 +34,22 @@ def _curve(h, edges, values):
 
 @njit(cache=True)
 def _map(h, edges, values, out):
+    # From one sample to the next the segment mostly stays, or its neighbour follows.
+    final = edges.size - 2
+    k = 0
+    slope = (values[1] - values[0]) / (edges[1] - edges[0])
     for i in range(h.size):
-        out[i] = _curve(h[i], edges, values)
+        at = h[i]
+        moved = False
+        while k < final and at > edges[k + 1]:
+            k += 1
+            moved = True
+        while k > 0 and at <= edges[k]:
+            k -= 1
+            moved = True
+        if moved:
+            slope = (values[k + 1] - values[k]) / (edges[k + 1] - edges[k])
+        out[i] = values[k] + (at - edges[k]) * slope
 
 
 class ModifiedPrandtlIshlinskii(HysteresisModel):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -10,7 +12,8 @@ from scipy.optimize import least_squares
 __all__ = ["fit_vertices", "hat_basis"]
 
 Floats = NDArray[np.float64]
-BINS = 320
+COARSE, FINE = 320, 1000
+"""Bins in which noise averages out, and bins in which hardly any kink is lost."""
 ROUNDS = 12
 
 
@@ -29,7 +32,7 @@ def hat_basis(x: Floats, vertices: Floats) -> Floats:
 
 
 @njit(cache=True)
-def _segment(x, y, w, segments):
+def _chords(x, y, w, segments):
     """Indices of the vertices that minimise the squared error of a polyline through ``segments`` of the points."""
     n = x.size
     # Prefix sums of w, wx, wy, wxx, wxy, wyy make the error of every chord an O(1) expression.
@@ -67,16 +70,75 @@ def _segment(x, y, w, segments):
     return out
 
 
-def _bin(x: Floats, y: Floats) -> tuple[Floats, Floats, Floats]:
+@njit(cache=True)
+def _divide(x, y, w, segments):
+    """First point of each of the ``segments`` groups of neighbouring points that straight lines fit with least error."""
+    n = x.size
+    # Prefix sums of w, wx, wy, wxx, wxy, wyy make the error of every line an O(1) expression.
+    s = np.zeros((6, n + 1))
+    for i in range(n):
+        a, b, c = w[i], x[i], y[i]
+        values = (a, a * b, a * c, a * b * b, a * b * c, a * c * c)
+        for q in range(6):
+            s[q, i + 1] = s[q, i] + values[q]
+    best = np.full((segments + 1, n + 1), np.inf)
+    back = np.zeros((segments + 1, n + 1), dtype=np.int64)
+    best[0, 0] = 0.0
+    for j in range(2, n + 1):
+        for i in range(j - 1):
+            weight = s[0, j] - s[0, i]
+            mx = (s[1, j] - s[1, i]) / weight
+            my = (s[2, j] - s[2, i]) / weight
+            xx = s[3, j] - s[3, i] - weight * mx * mx
+            xy = s[4, j] - s[4, i] - weight * mx * my
+            yy = s[5, j] - s[5, i] - weight * my * my
+            error = max(yy - xy * xy / xx, 0.0) if xx > 0.0 else max(yy, 0.0)
+            for q in range(1, segments + 1):
+                total = best[q - 1, i] + error
+                if total < best[q, j]:
+                    best[q, j] = total
+                    back[q, j] = i
+    out = np.empty(segments, dtype=np.int64)
+    at = n
+    for q in range(segments, 0, -1):
+        at = back[q, at]
+        out[q - 1] = at
+    return out
+
+
+def _meeting_points(x: Floats, y: Floats, w: Floats, segments: int) -> Floats:
+    """Abscissae at which the lines through neighbouring groups of points meet, with the outermost points at the ends.
+
+    Lines that need not meet at a point find a kink between two points as well as one on a point.
+    """
+    # Of order one, so that neither sums nor squares of extreme figures leave the range of floats.
+    reach = np.max(np.abs(x))
+    x, y = x / reach, y / max(np.max(np.abs(y)), 5e-324)
+    centre = np.mean(x)
+    x, y = x - centre, y - np.average(y, weights=w)
+    starts = np.append(_divide(x, y, w, segments), x.size)
+    lines = []
+    for part in itertools.starmap(slice, itertools.pairwise(starts)):
+        mx, my = np.average(np.stack([x[part], y[part]]), axis=1, weights=w[part])
+        slope = np.sum(w[part] * (x[part] - mx) * (y[part] - my)) / np.sum(w[part] * (x[part] - mx) ** 2)
+        lines.append((slope, my - slope * mx))
+    vertices = [x[0]]
+    for (before, at_zero), (after, next_at_zero), start in zip(lines, lines[1:], starts[1:-1], strict=False):
+        meeting = (at_zero - next_at_zero) / (after - before) if after != before else x[start]
+        vertices.append(float(np.clip(meeting, x[start - 1], x[start])))
+    return (np.array([*vertices, x[-1]]) + centre) * reach
+
+
+def _bin(x: Floats, y: Floats, bins: int) -> tuple[Floats, Floats, Floats]:
     """Average the points in equal bins of x, so that noise and uneven sampling do not steer the segmentation."""
-    edges = np.linspace(x.min(), x.max(), BINS + 1)
-    index = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, BINS - 1)
-    count = np.bincount(index, minlength=BINS)
+    edges = np.linspace(x.min(), x.max(), bins + 1)
+    index = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, bins - 1)
+    count = np.bincount(index, minlength=bins)
     filled = count > 0
     weight = count[filled].astype(np.float64)
     return (
-        np.bincount(index, x, BINS)[filled] / weight,
-        np.bincount(index, y, BINS)[filled] / weight,
+        np.bincount(index, x, bins)[filled] / weight,
+        np.bincount(index, y, bins)[filled] / weight,
         weight,
     )
 
@@ -84,21 +146,25 @@ def _bin(x: Floats, y: Floats) -> tuple[Floats, Floats, Floats]:
 def fit_vertices(x: Floats, y: Floats, segments: int) -> Floats:
     """Abscissae of the vertices, shape (segments + 1,), of the least-squares polyline through scattered points.
 
-    A dynamic programme over binned points finds the global optimum on the bin grid; least squares on all points, with
-    the ordinates profiled out, then moves the inner vertices off the grid. The outer two are the extremes of ``x``.
+    Two dynamic programmes over binned points find global optima: of the polyline with its vertices on points, which
+    noise misleads least, and of lines that meet between points, which finds every kink of clean data. From both, least
+    squares on all points with the ordinates profiled out then moves the inner vertices; the better result is taken.
 
     Raises
     ------
     ValueError
         If there are fewer distinct abscissae than vertices.
     """
-    bx, by, weight = _bin(x, y)
-    if bx.size < segments + 1:
-        raise ValueError(f"{bx.size} distinct abscissae are too few for {segments} segments")
+    fine, coarse = _bin(x, y, FINE), _bin(x, y, COARSE)
+    if coarse[0].size < segments + 1:
+        raise ValueError(f"{coarse[0].size} distinct abscissae are too few for {segments} segments")
     low, high = float(x.min()), float(x.max())
     if segments == 1:
         return np.array([low, high])
-    vertices = _refine(x, y, bx[_segment(bx, by, weight, segments)])
+    vertices = _refine(x, y, coarse[0][_chords(*coarse, segments)])
+    if fine[0].size >= 2 * segments:
+        meeting = _refine(x, y, _meeting_points(*fine, segments))
+        vertices = min(meeting, vertices, key=lambda trial: _profile(x, y, trial)[1])
     error = _profile(x, y, vertices)[1]
     distinct = np.unique(x)
     # A kink between two bins can cost the programme two vertices: give the least useful one to the worst segment.
@@ -155,12 +221,19 @@ def _refine(x: Floats, y: Floats, vertices: Floats) -> Floats:
 
 
 def _reallocations(x: Floats, y: Floats, vertices: Floats) -> list[Floats]:
-    """The inner vertex that is missed least is dropped, and one of the two segments with the largest errors split."""
-    without = [_profile(x, y, np.delete(vertices, k))[1] for k in range(1, vertices.size - 1)]
-    dropped = np.delete(vertices, 1 + int(np.argmin(without)))
+    """An inner vertex is dropped, and one of the two segments with the largest errors split.
+
+    Dropped is the vertex that is missed least, or one of the two that lie closest together: they may share one kink
+    and still be missed more than a vertex at a kink of its own.
+    """
+    without = np.array([_profile(x, y, np.delete(vertices, k))[1] for k in range(1, vertices.size - 1)])
+    between = np.diff(np.searchsorted(np.sort(x), vertices))[1:-1]
+    closest = int(np.argmin(between)) if between.size else 0
+    bunched = closest + int(np.argmin(without[closest : closest + 2]))
     trials = []
+    starts = [np.delete(vertices, 1 + k) for k in {int(np.argmin(without)), bunched}]
     # Where two vertices shared one kink, the other must move there first, or their kink looks like the worst place.
-    for kept in (dropped, _refine(x, y, dropped)):
+    for kept in [*starts, *(_refine(x, y, start) for start in starts)]:
         residuals, _ = _profile(x, y, kept)
         index = np.clip(np.searchsorted(kept, x) - 1, 0, kept.size - 2)
         for worst in np.argsort(np.bincount(index, residuals**2, kept.size - 1))[-2:]:
