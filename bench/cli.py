@@ -43,9 +43,9 @@ def _part(ctx: click.Context, parameter: click.Parameter, value: str | None) -> 
 
 def _column_options(*names: str) -> Any:
     texts = {
-        "time": "Time column (default time_s; if absent, samples are numbered).",
-        "x": "Input column (default deflection_rad).",
-        "y": "Output column (default torque_nm).",
+        "time": "Time column (default time_s, else found by name and unit; if there is none, samples are numbered).",
+        "x": "Input column (default deflection_rad, else found by name and unit).",
+        "y": "Output column (default torque_nm, else found by name and unit).",
     }
 
     def decorate(function: Any) -> Any:
@@ -320,15 +320,15 @@ def fit(file: Path, model_id: str, out: Path, tune: bool, x: str | None, y: str 
     )
     for condition in getattr(model, "conditions_", []):
         message(f"{'holds' if condition.holds else 'VIOLATED'}: {condition.name} ({condition.detail})")
-    for note in [*getattr(model, "notes_", []), *_assumed(model, [recording.conditions.get("assumed", "")])]:
+    for note in [*getattr(model, "notes_", []), *_assumed(model, str(recording.conditions.get("untimed", "")))]:
         message(f"note: {note}")
     for line in _determined(model, recording):
         click.echo(line)
 
 
-def _assumed(model: Any, notes: list[str]) -> list[str]:
+def _assumed(model: Any, untimed: str) -> list[str]:
     """What the reader of a file had to assume of its times, for models to which they matter."""
-    return [] if getattr(model, "rate_independent", True) else [note for note in notes if note]
+    return [untimed] if untimed and not getattr(model, "rate_independent", True) else []
 
 
 def _tuned(cls: type[Any], recording: Any) -> Any:
@@ -386,15 +386,17 @@ def predict(model: Path, file: Path, out: Path, x: str | None, y: str | None, ti
       hystbench predict model.json motion.csv --out torque.csv
     """
     from .. import models
-    from ..datasets.recording_files import DEFAULT_X, DEFAULT_Y, read_columns, write_recording
+    from ..datasets.recording_files import DEFAULT_Y, read_columns, write_recording
     from .arguments import time_argument
 
     fitted = models.load(model)
-    columns = read_columns(file, {"x": x or DEFAULT_X}, time=time)
-    for note in _assumed(fitted, columns.notes):
+    columns = read_columns(file, {"x": x}, time=time)
+    for note in _assumed(fitted, columns.untimed):
         message(f"note: {note}")
     predicted = fitted.predict(columns["x"], **time_argument(fitted.predict, columns.time))
-    write_recording(out, {columns.time_name: columns.time, x or DEFAULT_X: columns["x"], y or DEFAULT_Y: predicted})
+    write_recording(
+        out, {columns.names["time"]: columns.clock, columns.names["x"]: columns["x"], y or DEFAULT_Y: predicted}
+    )
     click.echo(str(out))
 
 
@@ -417,16 +419,18 @@ def invert(
       hystbench invert model.json reference.csv --out deflection.csv
     """
     from .. import models
-    from ..datasets.recording_files import DEFAULT_X, DEFAULT_Y, read_columns, write_recording
+    from ..datasets.recording_files import DEFAULT_X, read_columns, write_recording
     from .arguments import time_argument
 
     fitted = models.load(model)
-    columns = read_columns(file, {"y": y or DEFAULT_Y}, time=time)
-    for note in _assumed(fitted, columns.notes):
+    columns = read_columns(file, {"y": y}, time=time)
+    for note in _assumed(fitted, columns.untimed):
         message(f"note: {note}")
     times = time_argument(fitted.invert, columns.time)
     found = fitted.invert(columns["y"], x0=x0, approximate=approximate, **times)
-    write_recording(out, {columns.time_name: columns.time, x or DEFAULT_X: found, y or DEFAULT_Y: columns["y"]})
+    write_recording(
+        out, {columns.names["time"]: columns.clock, x or DEFAULT_X: found, columns.names["y"]: columns["y"]}
+    )
     click.echo(str(out))
 
 

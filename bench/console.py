@@ -11,6 +11,7 @@ from typing import Any
 import click
 
 from ..datasets import DatasetUnavailableError
+from ..datasets.column_roles import AssumptionWarning
 from ..errors import InputError
 from ..models import InverseError
 
@@ -53,8 +54,9 @@ def message(text: str) -> None:
     click.echo(f"hystbench: {text}", err=True)
 
 
-def _show_warning(text: Warning | str, *args: Any, **more: Any) -> None:
-    message(f"warning: {' '.join(str(text).split())}")
+def _show_warning(text: Warning | str, category: type[Warning], *args: Any, **more: Any) -> None:
+    kind = "note" if issubclass(category, AssumptionWarning) else "warning"
+    message(f"{kind}: {' '.join(str(text).split())}")
 
 
 def execute(command: click.Command, arguments: list[str] | None = None) -> int:

@@ -136,9 +136,9 @@ def verify(ids: tuple[str, ...]) -> int:
 
 @data.command()
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--x", metavar="COL", help="Input column (default deflection_rad).")
-@click.option("--y", metavar="COL", help="Output column (default torque_nm).")
-@click.option("--time", metavar="COL", help="Time column (default time_s; if absent, samples are numbered).")
+@click.option("--x", metavar="COL", help="Input column (default deflection_rad, else found by name).")
+@click.option("--y", metavar="COL", help="Output column (default torque_nm, else found by name).")
+@click.option("--time", metavar="COL", help="Time column (default time_s, else found by name).")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for check.html, the findings with pictures.")
 @click.option("--json", "as_json", is_flag=True, help="Machine-readable.")
 def check(file: Path, x: str | None, y: str | None, time: str | None, out: Path | None, as_json: bool) -> None:
@@ -155,23 +155,26 @@ def check(file: Path, x: str | None, y: str | None, time: str | None, out: Path 
     from ..datasets import Recording
     from ..datasets.findings import applicable_models, findings
     from ..datasets.inspection import inspect_recording
-    from ..datasets.recording_files import DEFAULT_X, DEFAULT_Y, read_columns
+    from ..datasets.recording_files import read_columns
 
     if out is not None and out.exists() and not out.is_dir():
         raise InputError(f"--out {out} is a file; name a folder")
-    names = (x or DEFAULT_X, y or DEFAULT_Y)
-    columns = read_columns(file, {"x": names[0], "y": names[1]}, time)
+    columns = read_columns(file, {"x": x, "y": y}, time)
+    names = (columns.names["x"], columns.names["y"])
     for axis, name in zip("xy", names, strict=True):
         if np.ptp(columns[axis]) == 0.0:
             raise InputError(f"{file}: column {name!r} is constant: there is no loop in it; record a motion")
     recording = Recording(file.name, columns.time, columns["x"], columns["y"])
     found = inspect_recording(recording)
-    told, judged = findings(found, *names, notes=columns.notes), applicable_models(found)
+    told, judged = (
+        findings(found, *names, notes=columns.notes, untimed=columns.untimed),
+        applicable_models(found),
+    )
     if as_json:
         document = {
             "schema": "hystbench/check/1",
             "file": str(file),
-            "columns": {"time": columns.time_name, "x": names[0], "y": names[1]},
+            "columns": {"time": columns.names["time"], "x": names[0], "y": names[1]},
             "findings": [vars(one) for one in told],
             "models": [vars(one) for one in judged],
             "measured": found.document(),

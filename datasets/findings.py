@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from .column_roles import quantity
 from .inspection import Estimate, Inspection, Loop
-from .user_recording import quantity
 
 __all__ = ["Applicability", "Finding", "applicable_models", "findings"]
 
@@ -49,7 +49,9 @@ class Applicability:
     why: str
 
 
-def findings(inspection: Inspection, x_column: str, y_column: str, notes: Sequence[str] = ()) -> list[Finding]:
+def findings(
+    inspection: Inspection, x_column: str, y_column: str, notes: Sequence[str] = (), untimed: str = ""
+) -> list[Finding]:
     """Everything worth saying of a recording, in a fixed order.
 
     Parameters
@@ -58,12 +60,14 @@ def findings(inspection: Inspection, x_column: str, y_column: str, notes: Sequen
     x_column, y_column : str
         Column names, from which units are read.
     notes : sequence of str
-        What the reader of the file had to assume.
+        What the reader of the file had to assume of the columns.
+    untimed : str
+        What it had to assume of the sample times where the file has none.
     """
     x_unit, y_unit = quantity(x_column)[1], quantity(y_column)[1]
     return [
-        *(Finding("file", "note", note) for note in notes),
-        *_sampling(inspection, numbered=bool(notes)),
+        *(Finding("file", "note", note) for note in (*notes, untimed) if note),
+        *_sampling(inspection, numbered=bool(untimed)),
         *_units(inspection, x_column, y_column),
         *_channels(inspection, x_unit, y_unit),
         *_turns(inspection, x_unit),

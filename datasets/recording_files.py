@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import difflib
 import os
+import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..files import replacing
 from .base import Recording
+from .column_roles import AssumptionWarning, guess_columns, quantity, seconds
 
 __all__ = [
     "DEFAULT_TIME",
@@ -34,6 +36,7 @@ Floats = NDArray[np.float64]
 DEFAULT_TIME = "time_s"
 DEFAULT_X = "deflection_rad"
 DEFAULT_Y = "torque_nm"
+DEFAULTS = {"time": DEFAULT_TIME, "x": DEFAULT_X, "y": DEFAULT_Y}
 MINIMUM_ROWS = 8
 SUFFIXES = (".csv", ".txt", ".tsv", ".parquet", ".npz", ".mat")
 SEPARATORS = {",": "comma", ";": "semicolon", "\t": "tab"}
@@ -45,23 +48,29 @@ class Columns:
 
     Attributes
     ----------
-    time_name : str
-        Name of the time column, or the default one where the file has none.
+    names : mapping of str to str
+        Name of the column of each role; that of the time is the default one where the file has none.
     time : array, shape (n,)
         s, strictly increasing.
+    clock : array, shape (n,)
+        The time column as the file has it, in whatever unit.
     roles : mapping of str to array, shape (n,)
         What was asked for; also reached by ``columns[role]``.
     channels : mapping of str to array, shape (n,)
         All further numeric columns by their name.
     notes : list of str
-        What had to be assumed.
+        What had to be assumed of the columns.
+    untimed : str
+        What had to be assumed of the sample times where the file has none.
     """
 
-    time_name: str
+    names: Mapping[str, str]
     time: Floats
+    clock: Floats
     roles: Mapping[str, Floats]
     channels: Mapping[str, Floats]
     notes: list[str] = field(default_factory=list)
+    untimed: str = ""
 
     def __getitem__(self, role: str) -> Floats:
         return self.roles[role]
@@ -70,56 +79,53 @@ class Columns:
 def read_recording(
     file: str | os.PathLike[str], x: str | None = None, y: str | None = None, time: str | None = None
 ) -> Recording:
-    """Read one recording; what had to be assumed is in its ``conditions`` under ``"assumed"``.
+    """Read one recording; what had to be assumed is in its ``conditions`` under ``"assumed"`` and ``"untimed"``.
 
     Parameters
     ----------
     file : path
         .csv (comma, semicolon or tab), .parquet, .npz or .mat; a header or names are needed.
     x, y, time : str, optional
-        Column names; by default ``deflection_rad``, ``torque_nm`` and, where the file has it, ``time_s``.
+        Column names; by default ``deflection_rad``, ``torque_nm`` and ``time_s``, or what :func:`read_columns` finds
+        instead.
 
     Raises
     ------
     InputError
         One line that says what is wrong, where (file, row, column) and what to do.
     """
-    columns = read_columns(file, {"x": x or DEFAULT_X, "y": y or DEFAULT_Y}, time)
-    conditions = {"assumed": "; ".join(columns.notes)} if columns.notes else {}
+    columns = read_columns(file, {"x": x, "y": y}, time)
+    told = {"assumed": "; ".join(columns.notes), "untimed": columns.untimed}
+    conditions = {key: text for key, text in told.items() if text}
     return Recording(
         Path(file).stem, columns.time, columns["x"], columns["y"], channels=columns.channels, conditions=conditions
     )
 
 
-def read_columns(file: str | os.PathLike[str], columns: Mapping[str, str], time: str | None = None) -> Columns:
+def read_columns(file: str | os.PathLike[str], columns: Mapping[str, str | None], time: str | None = None) -> Columns:
     """Read chosen columns of a recording.
+
+    A column that is not named, and whose default name the file lacks, is guessed by name and unit; what is assumed is
+    warned of (AssumptionWarning). A time column in ms, µs or min by its name is turned into seconds.
 
     Parameters
     ----------
     file : path
-    columns : mapping of str to str
-        Column name by role; the role is also the command line's option, so that messages can name it.
+    columns : mapping of str to str or None
+        Column name by role, ``x`` or ``y``; the role is also the command line's option, so that messages can name it.
     time : str, optional
-        Time column. By default ``time_s`` where the file has it; otherwise samples are numbered.
+        Time column. Where none is named or found samples are numbered.
 
     Raises
     ------
     InputError
-        As for :func:`read_recording`.
+        As for :func:`read_recording`; also if several columns are equally likely.
     """
     path = Path(file)
     table = _read_table(path)
-    names = list(table.names)
-    for role, name in columns.items():
-        _require_column(path, names, name, role)
-    notes = []
-    if time is not None:
-        _require_column(path, names, time, "time")
-    elif DEFAULT_TIME in names:
-        time = DEFAULT_TIME
-    else:
-        notes.append(f"no column {DEFAULT_TIME}: samples are numbered 0, 1, 2, … s; name the time column with --time")
-    wanted = {role: table.numbers(name) for role, name in columns.items()}
+    chosen, notes = _chosen_columns(path, table.names, {"time": time, **columns})
+    time = chosen.get("time")
+    wanted = {role: table.numbers(chosen[role]) for role in columns}
     rows = next(iter(wanted.values())).size
     if rows < MINIMUM_ROWS:
         raise InputError(f"{path}: {rows} rows of data are too few; give a recording of at least {MINIMUM_ROWS}")
@@ -135,8 +141,22 @@ def read_columns(file: str | os.PathLike[str], columns: Mapping[str, str], time:
                 f"{path}: {table.place(k)}: time column {time!r} {what} ({clock[k - 1]:.9g} then {clock[k]:.9g}); "
                 "sort the rows, or split the file where a new recording begins"
             )
-    used = {*columns.values(), time}
-    return Columns(time or DEFAULT_TIME, clock, wanted, table.other_numbers(used), notes)
+    untimed = ""
+    if time is None:
+        untimed = f"no column {DEFAULT_TIME}: samples are numbered 0, 1, 2, … s; name the time column with --time"
+    elif seconds(time) != 1.0:
+        notes.append(f"time column {time!r} is in {quantity(time)[1]}, turned into s")
+    for note in notes:
+        warnings.warn(f"{path}: {note}", AssumptionWarning, stacklevel=2)
+    return Columns(
+        {"time": DEFAULT_TIME, **chosen},
+        clock if time is None else seconds(time) * clock,
+        clock,
+        wanted,
+        table.other_numbers(set(chosen.values())),
+        notes,
+        untimed,
+    )
 
 
 def write_recording(path: str | os.PathLike[str], columns: Mapping[str, Floats]) -> None:
@@ -333,6 +353,29 @@ def _series(path: Path, arrays: Mapping[str, NDArray[Any]]) -> _Table:
     if not found:
         raise InputError(f"{path}: holds no 1-D numeric array; save columns named {DEFAULT_X}, {DEFAULT_Y}, …")
     return _Table(path, found)
+
+
+# ---- roles ---------------------------------------------------------------------------------------------------------
+
+
+def _chosen_columns(path: Path, names: list[str], asked: Mapping[str, str | None]) -> tuple[dict[str, str], list[str]]:
+    """The column of each role, and what had to be assumed to tell; ``time`` is left out where the file has none."""
+    known = {role: name or DEFAULTS[role] for role, name in asked.items() if name or DEFAULTS[role] in names}
+    for role, name in known.items():
+        _require_column(path, names, name, role)
+    guessed = guess_columns(path, names, known, [role for role in asked if role not in known])
+    for role in asked:
+        if role != "time" and role not in known and role not in guessed:
+            _require_column(path, names, DEFAULTS[role], role)
+    if not guessed:
+        return known, []
+    told = ", ".join(f"{role} is {name!r} ({_unit(role, name)})" for role, name in sorted(guessed.items()))
+    options = ", ".join(f"--{role}" for role in sorted(guessed))
+    return {**known, **guessed}, [f"assumed that {told}; name other columns with {options}"]
+
+
+def _unit(role: str, name: str) -> str:
+    return quantity(name)[1] or ("no unit in its name, taken as s" if role == "time" else "no unit in its name")
 
 
 # ---- messages ------------------------------------------------------------------------------------------------------

@@ -7,7 +7,6 @@ its first turn, units come from the column names, and the noise is estimated fro
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from pathlib import Path, PurePath
 from typing import ClassVar
@@ -18,10 +17,11 @@ import numpy as np
 from ..errors import InputError
 from ..models.motion import auto_dead_band, noise_level, turning_points
 from .base import Dataset, DatasetSource, Recording
+from .column_roles import quantity
 from .recorded import thinned, until_first_turn
-from .recording_files import DEFAULT_X, DEFAULT_Y, SUFFIXES, read_columns
+from .recording_files import SUFFIXES, read_columns
 
-__all__ = ["UserRecording", "held_out", "is_file", "quantity", "with_columns"]
+__all__ = ["UserRecording", "held_out", "is_file", "with_columns"]
 
 TRAIN_SHARE = 2.0 / 3.0
 MOST_SAMPLES = 12_000
@@ -29,13 +29,6 @@ MOST_SAMPLES = 12_000
 
 LEAST_TURNS = 3
 COLUMNS = ("x", "y", "time")
-
-UNITS = {
-    "rad": "rad", "mrad": "mrad", "deg": "°", "m": "m", "mm": "mm", "um": "µm", "in": "in", "n": "N", "kn": "kN", "nm": "N·m",
-    "mnm": "mN·m", "knm": "kN·m", "pa": "Pa", "kpa": "kPa", "mpa": "MPa", "bar": "bar", "v": "V", "a": "A", "s": "s", "ms": "ms",
-    "percent": "%",
-}  # fmt: skip
-"""Unit by the last part of a column name, in small letters."""
 
 
 class UserRecording(DatasetSource):
@@ -64,8 +57,8 @@ class UserRecording(DatasetSource):
             If the file is no recording, or its input turns too seldom to hold a part out.
         """
         path, names = _split(self.name)
-        x_column, y_column = names.get("x", DEFAULT_X), names.get("y", DEFAULT_Y)
-        columns = read_columns(path, {"x": x_column, "y": y_column}, names.get("time"))
+        columns = read_columns(path, {"x": names.get("x"), "y": names.get("y")}, names.get("time"))
+        x_column, y_column = columns.names["x"], columns.names["y"]
         if np.ptp(columns["x"]) == 0.0:
             raise InputError(f"{path}: column {x_column!r} is constant; give a recording in which the input moves")
         if np.ptp(columns["y"]) == 0.0:
@@ -94,7 +87,11 @@ class UserRecording(DatasetSource):
             licence=self.licence,
             x_sigma=x_sigma,
             y_sigma=y_sigma,
-            assumptions=(*columns.notes, *_assumptions(train, test, stride, x_unit and y_unit)),
+            assumptions=(
+                *columns.notes,
+                *filter(None, [columns.untimed]),
+                *_assumptions(train, test, stride, x_unit and y_unit),
+            ),
         )
 
 
@@ -173,18 +170,3 @@ def _assumptions(train: Recording, test: Recording, stride: int, units: str) -> 
             f"The held-out part goes beyond the fitted range by {beyond:.0%} of it: part of the error is extrapolation."
         )
     return told
-
-
-def quantity(column: str) -> tuple[str, str]:
-    """Name and unit of a column: ``torque_nm``, ``torque [Nm]`` and ``torque (N·m)`` are a torque in N·m.
-
-    The unit is empty where the name does not end in a known one.
-    """
-    found = re.fullmatch(r"(.*?)[\s_]*[\[(]\s*([^\])]+?)\s*[\])]\s*", column) or re.fullmatch(
-        r"(.+)_([A-Za-z]+)", column
-    )
-    if found:
-        spelled = re.sub(r"[·*.\s]", "", found[2]).replace("°", "deg").replace("µ", "u").replace("%", "percent").lower()
-        if spelled in UNITS and found[1]:
-            return found[1].replace("_", " ").strip(), UNITS[spelled]
-    return column, ""

@@ -109,7 +109,7 @@ BAD_FILES = {
     "time backwards": (changed(7, "time_s", 0.01), ["line 9", "time_s", "backwards"]),
     "constant input": (loop().assign(deflection_rad=0.5), ["constant"]),
     "three samples": (loop().iloc[:3], ["few"]),
-    "wrong column": (loop().rename(columns={"torque_nm": "torque_Nm"}), ["torque_nm", "torque_Nm", "--y"]),
+    "wrong column": (loop().rename(columns={"torque_nm": "torqe"}), ["torque_nm", "torqe", "--y"]),
     "no rows": (loop().iloc[:0], ["bad.csv"]),
 }
 

@@ -256,7 +256,7 @@ def bad_inputs(folder: Path) -> dict[str, tuple[list[str], str]]:
     write_recording(folder / "degrees.csv", {**columns, "deflection_rad": np.degrees(recording.x)})
     write_recording(folder / "still.csv", {**columns, "torque_nm": np.ones_like(recording.x)})
     write_recording(
-        folder / "named.csv", {"time_s": recording.time, "angle": recording.x, "torque_nm": recording.y_sim}
+        folder / "named.csv", {"time_s": recording.time, "channel": recording.x, "torque_nm": recording.y_sim}
     )
     write_recording(folder / "milli.csv", {**columns, "torque_nm": 1000.0 * recording.y_sim})
     return {

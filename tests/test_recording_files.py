@@ -153,7 +153,7 @@ def test_columns_are_chosen_by_name_and_the_rest_are_channels(tmp_path: Path) ->
     assert np.array_equal(found.y, -np.arange(9.0))
     assert set(found.channels) == {"temp"}, "text and columns with gaps are no channels"
     only_x = read_columns(path, {"x": "angle"}, time="t")
-    assert only_x.time_name == "t"
+    assert only_x.names == {"time": "t", "x": "angle"}
     assert set(only_x.channels) == {"torque", "temp"}
     assert only_x.notes == []
 
@@ -162,8 +162,9 @@ def test_without_a_time_column_samples_are_numbered_and_that_is_told(tmp_path: P
     path = write(tmp_path, "deflection_rad,torque_nm", *(f"{k},{k}" for k in range(9)))
     found = read_columns(path, {"x": "deflection_rad"})
     assert np.array_equal(found.time, np.arange(9.0))
-    assert len(found.notes) == 1
-    assert "--time" in found.notes[0]
+    assert found.notes == []
+    assert "samples are numbered" in found.untimed
+    assert "--time" in found.untimed
     assert "'clock'" in defect(path, time="clock")
 
 

@@ -14,7 +14,8 @@ from hystbench.bench.cells import run_cell
 from hystbench.bench.cli import cli
 from hystbench.bench.console import execute
 from hystbench.bench.run import plan_run
-from hystbench.datasets.user_recording import MOST_SAMPLES, UserRecording, is_file, quantity, with_columns
+from hystbench.datasets.column_roles import quantity
+from hystbench.datasets.user_recording import MOST_SAMPLES, UserRecording, is_file, with_columns
 from hystbench.errors import InputError
 
 
