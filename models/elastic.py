@@ -12,10 +12,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numba import njit
-from scipy.optimize import nnls
 
 from ..errors import InputError
 from .base import Floats, HysteresisModel, Run, parameter_array
+from .least_squares import solve
 from .maxwell_slip import _deflection, virtual_deformation
 from .stepping import KernelStepper
 
@@ -89,15 +89,14 @@ class Elastic(HysteresisModel):
         floor = LEAST_SLOPE * max(float(np.ptp(y)), 1e-9 * max(float(np.max(np.abs(y))), 1e-20)) / segments
         target = y - floor * columns.sum(axis=1)
         ones = np.ones((y.size, 1))
-        triangle: Floats = np.asarray(np.linalg.qr(np.hstack([columns, ones, -ones, target[:, None]]), mode="r"))
-        solution = nnls(triangle[:, :-1], triangle[:, -1], maxiter=100 * segments)[0]
+        solution = solve(np.hstack([columns, ones]), target, np.arange(segments + 1) < segments)
         held = int(np.sum(solution[:segments] == 0.0))
         if held:
             self.notes_.append(
                 f"the output falls or stands still over {held} of {segments} segments; the curve is kept just rising there"
             )
         rises = solution[:segments] + floor
-        ordinates = solution[-2] - solution[-1] + np.concatenate([[0.0], np.cumsum(rises)])
+        ordinates = solution[-1] + np.concatenate([[0.0], np.cumsum(rises)])
         parameters: dict[str, Any] = {"vertices": np.column_stack([edges, ordinates])}
         if self.geometry is not None:
             parameters["geometry"] = self.geometry

@@ -11,10 +11,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numba import njit
-from scipy.optimize import nnls
 
 from ..errors import InputError
 from .base import Condition, Floats, HysteresisModel, InverseError, Run, parameter_array, parameter_number
+from .least_squares import blocks, nonnegative, reduced
 from .motion import settled_from
 from .prandtl_ishlinskii import PrandtlIshlinskii, _plays
 from .stepping import KernelStepper
@@ -128,15 +128,20 @@ class ModifiedPrandtlIshlinskii(HysteresisModel):
         marks = low + span * np.arange(segments + 1) / segments
         ways = np.clip(target[:, None] - marks[:-1], 0.0, span / segments)
         floor = self.least_slope
-        columns = np.hstack([play, -ways, np.ones((target.size, 1)), -np.ones((target.size, 1))])
         bounded = play.shape[1] + segments
-        rotated = _reduced(columns, -floor * columns[:, :bounded].sum(axis=1))
+
+        def rows(part: slice) -> Floats:
+            columns = np.hstack([play[part], -ways[part]])
+            ones = np.ones(columns.shape[0])
+            return np.column_stack([columns, ones, -ones, -floor * columns.sum(axis=1)])
+
+        rotated = reduced(rows(part) for part in blocks(target.size))
         # The curve as a whole is to have slope 1: without that all weights would shrink to their bounds.
-        fixed = np.zeros(columns.shape[1] + 1)
+        fixed = np.zeros(bounded + 3)
         fixed[play.shape[1] : bounded] = 1.0
         fixed[-1] = (1.0 - floor) * segments
         rotated = np.vstack([rotated, 1e3 * np.linalg.norm(rotated) * fixed])
-        found = _nonnegative(rotated)
+        found = nonnegative(rotated)
         inverse_slopes = found[play.shape[1] : bounded] + floor
         marks_h = np.concatenate([[0.0], np.cumsum(inverse_slopes)]) * span / segments - (found[-2] - found[-1])
         edges, slopes = marks_h[1:-1], 1.0 / inverse_slopes
@@ -163,19 +168,22 @@ class ModifiedPrandtlIshlinskii(HysteresisModel):
             parts = ways(h)
             return target - parts @ trial[operators:size] - trial[-1], h, parts
 
+        def linearised(at: Floats, error: Floats, h: Floats, parts: Floats, part: slice) -> Floats:
+            slope = at[operators:size][np.searchsorted(edges, h[part])]
+            ones = np.ones(slope.size)
+            jacobian = np.column_stack([slope[:, None] * play[part], parts[part], ones])
+            return np.column_stack([jacobian, -ones, error[part] + jacobian @ (at - floor)])
+
         error, h, parts = residuals(known)
         damping = 1e-6
         for _ in range(ROUNDS):
-            slope = known[operators:size][np.searchsorted(edges, h)]
-            jacobian = np.hstack([slope[:, None] * play, parts, np.ones((h.size, 1))])
-            wanted = error + jacobian @ (known - floor)
-            rotated = _reduced(np.hstack([jacobian, -jacobian[:, -1:]]), wanted)
+            rotated = reduced(linearised(known, error, h, parts, part) for part in blocks(h.size))
             better = False
             for _ in range(6):
                 ridge = np.sqrt(damping * h.size) * np.eye(size + 1, size + 3)
                 ridge[-1] = 0.0
                 ridge[:size, -1] = ridge.diagonal()[:size] * (known - floor)[:size]
-                found = _nonnegative(np.vstack([rotated, ridge]))
+                found = nonnegative(np.vstack([rotated, ridge]))
                 trial = np.append(found[:size], found[-2] - found[-1]) + floor
                 moved = residuals(trial)
                 if moved[0] @ moved[0] < error @ error:
@@ -269,21 +277,6 @@ class ModifiedPrandtlIshlinskii(HysteresisModel):
 def _steps(x: Floats, thresholds: Floats) -> Floats:
     """P_k − P_{k+1} (the last one: P_N) at every sample, shape (n, N): their coefficients are the partial sums."""
     play = np.empty((x.size, thresholds.size))
-    _plays(x, thresholds, play)
+    _plays(x, thresholds, np.zeros(thresholds.size), play)
     play[:, :-1] -= play[:, 1:]
     return play
-
-
-def _reduced(columns: Floats, target: Floats) -> Floats:
-    """The least-squares problem through QR, the target as last column: as many rows as columns, the same minimum."""
-    stacked = np.column_stack([columns, target])
-    if stacked.shape[0] <= stacked.shape[1]:
-        return stacked
-    return np.asarray(np.linalg.qr(stacked, mode="r"), dtype=np.float64)
-
-
-def _nonnegative(rows: Floats) -> Floats:
-    """Non-negative least squares of the last column on the others, which are scaled first: nnls stops early otherwise."""
-    scale = np.linalg.norm(rows[:, :-1], axis=0)
-    scale[scale == 0.0] = 1.0
-    return np.asarray(nnls(rows[:, :-1] / scale, rows[:, -1], maxiter=100 * scale.size)[0] / scale)

@@ -7,15 +7,15 @@ hysteresis and creep", IEE Proc. Control Theory Appl. 148(3), 2001.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numba import njit
-from scipy.optimize import nnls
 
 from ..errors import InputError
 from .base import Condition, Floats, HysteresisModel, InverseError, Run, parameter_array, parameter_number
+from .least_squares import blocks, nonnegative, reduced
 from .motion import settled_from
 from .stepping import KernelStepper
 
@@ -89,13 +89,12 @@ def _step(x, state, params, commit):
 
 
 @njit(cache=True)
-def _plays(x, thresholds, out):
-    """Every play operator's output at every sample, shape (n, N)."""
-    for j in range(thresholds.size):
-        r = thresholds[j]
-        p = 0.0
-        for i in range(x.size):
-            p = min(max(p, x[i] - r), x[i] + r)
+def _plays(x, thresholds, state, out):
+    """Every play operator's output at every sample, shape (n, N); ``state`` (N,) goes on from call to call."""
+    for i in range(x.size):
+        for j in range(thresholds.size):
+            p = min(max(state[j], x[i] - thresholds[j]), x[i] + thresholds[j])
+            state[j] = p
             out[i, j] = p
 
 
@@ -155,39 +154,49 @@ class PrandtlIshlinskii(HysteresisModel):
         # Beyond half the largest range a play operator never moves back: its threshold could not be identified.
         reach = 0.5 * max(float(np.ptp(run.x)) for run in runs)
         thresholds = reach * np.arange(self.operators) / self.operators
-        blocks, targets = [], []
-        for run in runs:
-            regressors = np.empty((run.x.size, thresholds.size))
-            _plays(run.x, thresholds, regressors)
-            first = settled_from(run.x)
-            blocks.append(regressors[first:])
-            targets.append(run.y[first:])
-        design, target = np.concatenate(blocks), np.concatenate(targets)
-        weights, offset = self._solve(design, target)
+        weights, offset = self._solve(runs, thresholds)
         return {"weights": weights, "thresholds": thresholds, "offset": offset}
 
-    def _solve(self, design: Floats, target: Floats) -> tuple[Floats, float]:
-        ones = np.ones((target.size, 1))
+    def _solve(self, runs: Sequence[Run], thresholds: Floats) -> tuple[Floats, float]:
         if self.weights == "free":
-            solution: Floats = np.asarray(
-                np.linalg.lstsq(np.hstack([design, ones]), target, rcond=1e-10)[0], dtype=float
+            rows = reduced(
+                np.column_stack([plays, np.ones(y.size), y]) for _, plays, y in self._settled(runs, thresholds)
             )
+            solution = np.linalg.lstsq(rows[:, :-1], rows[:, -1], rcond=1e-10)[0]
             return solution[:-1], float(solution[-1])
         floor = 0.0
         if self.weights == "invertible":
-            # In the partial sums W_k the model is Σ W_k (P_k − P_{k+1}) + W_N P_N, so W_k > 0 is a bound on unknowns.
-            design = np.hstack([design[:, :-1] - design[:, 1:], design[:, -1:]])
-            floor = self.least_slope * np.ptp(target) / max(float(np.ptp(design.sum(axis=1))), 1e-300)
-        columns = np.hstack([design, ones, -ones])
-        factor, rotated = _reduce(columns, target - floor * design.sum(axis=1))
-        # Columns differ by orders of magnitude (large thresholds hardly move); nnls stops early unless they are scaled.
-        scale = np.linalg.norm(factor, axis=0)
-        scale[scale == 0.0] = 1.0
-        solution = nnls(factor / scale, rotated, maxiter=100 * columns.shape[1])[0] / scale
+            # Relative to the loop's mean slope.
+            settled = [(run.x[settled_from(run.x) :], run.y[settled_from(run.x) :]) for run in runs]
+            x, y = (np.concatenate(parts) for parts in zip(*settled, strict=True))
+            floor = self.least_slope * float(np.ptp(y)) / max(float(np.ptp(x)), 1e-300)
+
+        def rows_of(x: Floats, plays: Floats, y: Floats) -> Floats:
+            if self.weights == "invertible":
+                # In the partial sums W_k the model is Σ W_k (P_k − P_{k+1}) + W_N P_N, so W_k > 0 bounds an unknown;
+                # all columns together are P_0, the input.
+                plays[:, :-1] -= plays[:, 1:]
+                y = y - floor * x
+            ones = np.ones(y.size)
+            return np.column_stack([plays, ones, -ones, y])
+
+        solution = nonnegative(reduced(rows_of(*part) for part in self._settled(runs, thresholds)))
         weights = solution[:-2] + floor
         if self.weights == "invertible":
             weights = np.diff(weights, prepend=0.0)
         return weights, float(solution[-2] - solution[-1])
+
+    @staticmethod
+    def _settled(runs: Sequence[Run], thresholds: Floats) -> Iterator[tuple[Floats, Floats, Floats]]:
+        """Input, every play operator's output (n, N) and measured output of all settled samples, in blocks."""
+        for run in runs:
+            state = np.zeros(thresholds.size)
+            first = settled_from(run.x)
+            for part in blocks(run.x.size):
+                plays = np.empty((part.stop - part.start, thresholds.size))
+                _plays(run.x[part], thresholds, state, plays)
+                kept = slice(max(first - part.start, 0), None)
+                yield run.x[part][kept], plays[kept], run.y[part][kept]
 
     @classmethod
     def _check_parameters(cls, weights: Any, thresholds: Any, offset: Any = 0.0) -> dict[str, Any]:
@@ -236,11 +245,3 @@ class PrandtlIshlinskii(HysteresisModel):
         x = np.empty_like(y)
         _run(y - offset, _initial_state(y.size), params, x)
         return x
-
-
-def _reduce(columns: Floats, target: Floats) -> tuple[Floats, Floats]:
-    """The least-squares problem through QR: as many rows as columns, the same minimum."""
-    if columns.shape[0] <= columns.shape[1]:
-        return columns, target
-    triangle: Floats = np.asarray(np.linalg.qr(np.column_stack([columns, target]), mode="r"))
-    return triangle[:, :-1], triangle[:, -1]

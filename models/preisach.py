@@ -9,6 +9,7 @@ sample costs O(1) however many relays there are.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
@@ -19,6 +20,7 @@ from scipy.optimize import linprog, nnls
 
 from ..errors import InputError
 from .base import Condition, Floats, HysteresisModel, Run, parameter_array, parameter_number
+from .least_squares import blocks, reduced
 from .motion import settled_from
 from .stepping import KernelStepper
 
@@ -298,7 +300,9 @@ class Preisach(HysteresisModel):
     def _responses(self, runs: Sequence[Run], alpha: Floats, beta: Floats, width: float) -> tuple[Floats, Floats]:
         """Output of every cell with unit weight at every settled sample, shape (n, M), and the measured output."""
         parts = [settled_from(run.x) for run in runs]
-        design = np.empty((sum(run.x.size - part for run, part in zip(runs, parts, strict=True)), alpha.size))
+        # Cell after cell is written, so columns are what should lie together.
+        settled = sum(run.x.size - part for run, part in zip(runs, parts, strict=True))
+        design = np.empty((settled, alpha.size), order="F")
         unit = np.zeros(alpha.size)
         for column in range(alpha.size):
             unit[column] = 1.0
@@ -317,11 +321,12 @@ class Preisach(HysteresisModel):
         sign = np.where((signs == "clockwise") & (alpha > beta), -1.0, 1.0)
         # Profiling the offset out leaves it free of sign and ridge.
         mean, level = design.mean(axis=0), float(target.mean())
-        centred = (design - mean) * sign
         penalty = np.vstack([_roughness(alpha, beta), np.sqrt(RIDGE) * np.eye(alpha.size)])
-        stacked = np.vstack([centred, np.sqrt(self.smoothing * target.size) * penalty])
-        wanted = np.concatenate([target - level, np.zeros(penalty.shape[0])])
-        triangle: Floats = np.asarray(np.linalg.qr(np.column_stack([stacked, wanted]), mode="r"))
+        smooth = np.sqrt(self.smoothing * target.size) * np.column_stack([penalty, np.zeros(penalty.shape[0])])
+        measured = (
+            np.column_stack([(design[part] - mean) * sign, target[part] - level]) for part in blocks(target.size)
+        )
+        triangle = reduced(itertools.chain([smooth], measured))
         factor, rotated = triangle[:-1, :-1], triangle[:-1, -1]
         if signs == "free":
             weights = np.linalg.lstsq(factor, rotated, rcond=None)[0]

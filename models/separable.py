@@ -10,14 +10,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.optimize import least_squares, nnls
+from scipy.optimize import least_squares
 from scipy.stats import qmc
 
 from .base import Floats, Run, sampling_intervals
+from .least_squares import solve
 from .motion import auto_dead_band, settled_from, turning_points
 
-__all__ = ["fit_separable", "largest_speed", "powers", "solve_linear", "thinned", "unscaled"]
+__all__ = ["fit_separable", "largest_speed", "powers", "thinned", "unscaled"]
 
 SEARCH_SAMPLES = 2000
 """Samples of the global search; the refinement uses all."""
@@ -54,23 +54,6 @@ def thinned(runs: Sequence[Run], samples: int) -> list[Run]:
     return result
 
 
-def solve_linear(design: Floats, target: Floats, nonnegative: NDArray[np.bool_]) -> Floats:
-    """Least-squares coefficients, those marked ``nonnegative`` at least 0."""
-    scale = np.linalg.norm(design, axis=0)
-    scale[scale == 0.0] = 1.0
-    columns = design / scale
-    if columns.shape[0] > columns.shape[1]:
-        triangle: Floats = np.asarray(np.linalg.qr(np.column_stack([columns, target]), mode="r"))
-        columns, target = triangle[:, :-1], triangle[:, -1]
-    if not np.any(nonnegative):
-        return np.linalg.lstsq(columns, target, rcond=1e-12)[0] / scale
-    free = ~nonnegative
-    solution = nnls(np.hstack([columns, -columns[:, free]]), target, maxiter=100 * columns.shape[1])[0]
-    solution, opposite = solution[: scale.size], solution[scale.size :]
-    solution[free] -= opposite
-    return solution / scale
-
-
 def fit_separable(
     regressors: Callable[[Floats, Run], Floats],
     runs: Sequence[Run],
@@ -104,7 +87,7 @@ def fit_separable(
         first = [settled_from(run.x) for run in data]
         design = np.concatenate([regressors(point, run)[k:] for run, k in zip(data, first, strict=True)])
         target = np.concatenate([run.y[k:] for run, k in zip(data, first, strict=True)])
-        coefficients = solve_linear(design, target, sign)
+        coefficients = solve(design, target, sign)
         return design @ coefficients - target, coefficients
 
     def errors(point: Floats, data: Sequence[Run]) -> Floats:
