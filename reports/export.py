@@ -62,6 +62,8 @@ def _tables(run: RunDirectory) -> dict[str, Table]:
             found[f"ranking {task}"] = ranking
     for name in run.datasets:
         found[f"dataset {name}"] = tables.dataset_table(run, name)
+        if (conditions := tables.condition_table(run, name)) is not None:
+            found[f"conditions {name}"] = conditions
     found["noise"] = tables.reversal_table(run)
     found["compensation"] = tables.compensation_table(run)
     found["time"] = tables.timing_table(run)

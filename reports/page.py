@@ -77,7 +77,7 @@ def _context(run: RunDirectory) -> dict[str, Any]:
             (n, t, tables.order_statement(run, n)) for n in (4, 5) if (t := tables.paper_table(run, n)) is not None
         ],
         "metrics": METRICS,
-        "datasets": [_dataset(run, name, makers) for name in run.datasets],
+        "datasets": _datasets(run, makers),
         "rankings": [_ranking(run, task, ranking, makers) for task, ranking in rankings.items()],
         "advice": advice(run, rankings),
         "front": _figure(makers, "accuracy and cost"),
@@ -126,6 +126,26 @@ def _ranking(
     }
 
 
+def _datasets(run: RunDirectory, makers: dict[str, Callable[[], Drawing | None]]) -> list[dict[str, Any]]:
+    """What the page of each dataset shows."""
+    best = tables.best_models(run, "forward")
+    anchors: Counter[str] = Counter()
+    found = []
+    for name in run.datasets:
+        anchor = f"dataset-{slug(name)}"
+        anchors[anchor] += 1
+        # Two names may come to the same once what an address cannot hold is replaced.
+        anchor += f"-{anchors[anchor]}" if anchors[anchor] > 1 else ""
+        found.append(
+            {
+                "anchor": anchor,
+                "best": run.model_title(best[name]) if name in best else "",
+                **_dataset(run, name, makers),
+            }
+        )
+    return found
+
+
 def _dataset(run: RunDirectory, name: str, makers: dict[str, Callable[[], Drawing | None]]) -> dict[str, Any]:
     return {
         "id": name,
@@ -133,6 +153,8 @@ def _dataset(run: RunDirectory, name: str, makers: dict[str, Callable[[], Drawin
         "condition": run.reference_condition(name),
         "table": tables.dataset_table(run, name),
         "recordings": tables.recording_table(run, name),
+        "conditions": tables.condition_table(run, name),
+        "reversals": tables.reversal_table(run, [name]),
         "loops": _figure(makers, f"loops {name}"),
         "errors": _figure(makers, f"errors {name}"),
         "hash": run.document.get("data", {}).get(name, {}).get("sha256", ""),

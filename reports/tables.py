@@ -18,6 +18,7 @@ __all__ = [
     "Table",
     "best_models",
     "compensation_table",
+    "condition_table",
     "dataset_table",
     "headline_table",
     "number",
@@ -192,7 +193,7 @@ def order_statement(run: RunDirectory, number_: int) -> str:
     text = f"The paper's order, {claim}, does not hold under: {'; '.join(breaks)}."
     if holds:
         text += f" It holds under: {'; '.join(holds)}."
-    return text + " The loop plots and the error over time below show where each model loses."
+    return text + " The loops and errors on that dataset's page show where each model loses."
 
 
 def dataset_table(run: RunDirectory, dataset: str) -> Table:
@@ -265,10 +266,25 @@ def recording_table(run: RunDirectory, dataset: str) -> Table | None:
     )
 
 
-def reversal_table(run: RunDirectory) -> Table:
-    """What the noise does to the input before any model sees it."""
+def condition_table(run: RunDirectory, dataset: str) -> Table | None:
+    """NRMSE of every model under each condition of one dataset; None where there is one condition."""
+    conditions = run.conditions(dataset)
+    if len(conditions) < 2:
+        return None
+    columns = [(task, condition) for task in ("forward", "inverse") for condition in conditions]
+    rows = _model_rows(run, lambda m: [_metric(run.rows(dataset, c, task, m), "nrmse") for task, c in columns])
+    return Table(
+        f"{dataset}: NRMSE by condition; median over the seeds, range in brackets",
+        ["Model", *(condition for _, condition in columns)],
+        _mark_best(rows, range(1, len(columns) + 1)),
+        groups=(("", 1), ("output", len(conditions)), ("inverse", len(conditions))),
+    )
+
+
+def reversal_table(run: RunDirectory, only: Sequence[str] | None = None) -> Table:
+    """What the noise does to the input of all (or only some) datasets before any model sees it."""
     rows = []
-    for dataset in run.datasets:
+    for dataset in run.datasets if only is None else only:
         for condition in run.conditions(dataset):
             found = [c["filter"] for c in run.iter_cells(dataset=dataset, condition=condition) if c.get("filter")]
             if not found:

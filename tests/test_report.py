@@ -160,7 +160,67 @@ def test_text_contrast_is_at_least_wcag_aa_in_light_and_dark(text: str) -> None:
             assert (high + 0.05) / (low + 0.05) >= 4.5, (front, back)
 
 
+def test_each_dataset_has_a_page_with_all_about_it(run: Path, text: str) -> None:
+    (page,) = re.findall(r'<section class="page" id="dataset-vsa-published">(.*?)</section>', text, re.DOTALL)
+    for heading in ("Loops", "Errors", "Conditions", "Source"):
+        assert f"<h3>{heading}</h3>" in page
+    digest = json.loads((run / "run.json").read_text())["data"]["vsa-published"]["sha256"]
+    assert digest in page
+    assert page.count("<figure") == 2
+    assert 'href="#dataset-vsa-published"' in text
+
+
+def test_names_that_come_to_the_same_address_keep_pages_of_their_own(run: Path, tmp_path: Path) -> None:
+    import pandas as pd
+
+    table = pd.read_parquet(run / "results.parquet")
+    copies = [table.assign(dataset=name) for name in ("a b", "a/b", "<script>")]
+    pd.concat(copies).to_parquet(tmp_path / "results.parquet")
+    page = Page(render(tmp_path).read_text())
+    assert len(page.ids) == len(set(page.ids))
+    assert {"dataset-a-b", "dataset-a-b-2", "dataset-script"} <= set(page.ids)
+
+
 CHROMIUM = next((path for name in ("chromium", "google-chrome", "chrome") if (path := shutil.which(name))), None)
+
+
+def browse(address: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    assert CHROMIUM is not None
+    flags = [
+        "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+        "--disable-component-update", "--disable-sync", f"--user-data-dir={folder / 'profile'}", "--window-size=1400,1000",
+        "--virtual-time-budget=8000", "--dump-dom",
+    ]  # fmt: skip
+    return subprocess.run([CHROMIUM, *flags, address], capture_output=True, text=True, timeout=120, check=False)
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine to open the report with")
+def test_in_a_browser_an_address_shows_one_datasets_page_and_another_the_overview(run: Path, tmp_path: Path) -> None:
+    probe = """<script>
+    var errors = [], seen = [];
+    window.onerror = function (message) { errors.push(message); };
+    function look() {
+      seen.push(Array.from(document.querySelectorAll("main>section")).filter(function (s) { return s.offsetParent; }).map(function (s) { return s.id; }));
+    }
+    window.addEventListener("load", function () {
+      look();
+      setTimeout(function () { location.hash = "noise"; setTimeout(function () {
+        look();
+        document.body.insertAdjacentHTML("beforeend", "<pre id=found></pre>");
+        document.getElementById("found").textContent = JSON.stringify({errors: errors, seen: seen});
+      }, 300); }, 300);
+    });
+    </script></body>"""
+    page = tmp_path / "probe.html"
+    page.write_text((run / "report.html").read_text().replace("</body>", probe))
+    done = browse(f"{page.as_uri()}#dataset-vsa-published", tmp_path)
+    found = re.search(r'<pre id="found">(.*?)</pre>', done.stdout, re.DOTALL)
+    assert found, done.stderr[-2000:]
+    state = json.loads(found[1])
+    assert state["errors"] == []
+    assert state["seen"][0] == ["dataset-vsa-published"]
+    assert {"headline", "datasets", "noise"} <= set(state["seen"][1])
+    assert "dataset-vsa-published" not in state["seen"][1]
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine to open the report with")
@@ -204,12 +264,7 @@ def test_in_a_browser_nothing_overflows_and_tables_sort(run: Path, tmp_path: Pat
         'document.getElementById("inner").textContent.replaceAll("<\\\\/script", "</" + "script")',
     )
     page.write_text(text)
-    flags = [
-        "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-        "--disable-component-update", "--disable-sync", f"--user-data-dir={tmp_path / 'profile'}", "--window-size=1400,1000",
-        "--virtual-time-budget=8000", "--dump-dom",
-    ]  # fmt: skip
-    done = subprocess.run([CHROMIUM, *flags, page.as_uri()], capture_output=True, text=True, timeout=120, check=False)
+    done = browse(page.as_uri(), tmp_path)
     found = re.search(r'<pre id="found">(.*?)</pre>', done.stdout, re.DOTALL)
     assert found, done.stderr[-2000:]
     state = json.loads(found[1])
