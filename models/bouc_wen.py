@@ -312,7 +312,7 @@ class BoucWen(HysteresisModel):
 
     def stepper(self) -> KernelStepper:
         self._require_fitted()
-        return KernelStepper(_step, _initial_state, self._params)
+        return KernelStepper(_step, _initial_state, self._params, _run)
 
 
 def _states(point: Floats, runs: Sequence[Run]) -> list[Floats]:

@@ -292,7 +292,7 @@ class BoucWenBaberNoori(HysteresisModel):
 
     def stepper(self) -> KernelStepper:
         self._require_fitted()
-        return KernelStepper(_step, _initial_state, self._params)
+        return KernelStepper(_step, _initial_state, self._params, _run)
 
 
 def _physical(point: Floats, absorbed: float) -> dict[str, float]:

@@ -357,7 +357,12 @@ class ChoiBacklash(HysteresisModel):
 
     def stepper(self) -> KernelStepper:
         self._require_fitted()
-        return KernelStepper(_step, _initial_state, self._params)
+        return KernelStepper(
+            _step,
+            _initial_state,
+            self._params,
+            lambda x, state, params, out: _run(x, state, params, out, np.empty_like(x)),
+        )
 
     def _invert_run(self, y: Floats, x0: float, approximate: bool) -> Floats:
         # Only the first sample has no line or curve to come from: it lies midway between the curves.

@@ -256,6 +256,21 @@ def stepper_equals_predict(case: Case) -> None:
     _expect_close("step by step after reset", np.array(found), case.predicted[:100], STEPPER_TOLERANCE, case.range)
 
 
+def blocks_equal_predict(case: Case) -> None:
+    """A run cut anywhere, single steps in between, comes out the same."""
+    stepper = case.fitted.stepper()
+    if not hasattr(stepper, "steps"):
+        return
+    cuts = np.sort(np.random.default_rng(case.seed).integers(0, case.x.size, 9))
+    found: list[float] = []
+    for k, part in enumerate(np.split(case.x, cuts)):
+        if k % 3 == 2:
+            found += [stepper.step(v) for v in part.tolist()]
+        else:
+            found += np.asarray(stepper.steps(part)).tolist()
+    _expect_close("block by block", np.array(found), case.predicted, STEPPER_TOLERANCE, case.range)
+
+
 def steppers_are_independent(case: Case) -> None:
     """Two steppers of one model, one of them moved far away, do not see each other."""
     one, other = case.fitted.stepper(), case.fitted.stepper()
@@ -381,6 +396,7 @@ CHECKS: tuple[tuple[Callable[[Case], None], str | None], ...] = (
     (sampling_does_not_matter, "rate_independent"),
     (stepper_equals_predict, "stepper"),
     (steppers_are_independent, "stepper"),
+    (blocks_equal_predict, "stepper"),
     (peek_does_not_move, "stepper"),
     (inverse_is_exact, "invert"),
     (parameters_make_the_same_model, "from_parameters"),

@@ -160,7 +160,7 @@ class Cubic(HysteresisModel):
 
     def stepper(self) -> KernelStepper:
         self._require_fitted()
-        return KernelStepper(_step, _initial_state, self._params)
+        return KernelStepper(_step, _initial_state, self._params, _run)
 
     def _invert_run(self, y: Floats, x0: float, approximate: bool) -> Floats:
         roots = [_real_roots(self.parameters_[name], y) for name in ("ascending", "descending")]

@@ -159,4 +159,4 @@ class Dahl(HysteresisModel):
 
     def stepper(self) -> KernelStepper:
         self._require_fitted()
-        return KernelStepper(_step, _initial_state, self._params)
+        return KernelStepper(_step, _initial_state, self._params, _run)

@@ -164,4 +164,4 @@ class Duhem(HysteresisModel):
 
     def stepper(self) -> KernelStepper:
         self._require_fitted()
-        return KernelStepper(_step, self._initial_state, self._params)
+        return KernelStepper(_step, self._initial_state, self._params, _run)

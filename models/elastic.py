@@ -126,13 +126,17 @@ class Elastic(HysteresisModel):
     def stepper(self) -> KernelStepper:
         self._require_fitted()
         geometry = self.parameters_["geometry"]
+
+        def run(x: Floats, state: Floats, params: Any, out: Floats) -> None:
+            out[:] = self._predict_run(x)
+
         if geometry is None:
-            return KernelStepper(_step, _initial_state, self._params)
+            return KernelStepper(_step, _initial_state, self._params, run)
 
         def kernel(x: float, state: Floats, params: Any, commit: bool) -> float:
             return float(_step(float(virtual_deformation(x, *geometry)), state, params, commit))
 
-        return KernelStepper(kernel, _initial_state, self._params)
+        return KernelStepper(kernel, _initial_state, self._params, run)
 
     def _invert_run(self, y: Floats, x0: float, approximate: bool) -> Floats:
         x = np.empty_like(y)

@@ -236,4 +236,4 @@ class GeneralizedMaxwellSlip(HysteresisModel):
 
     def stepper(self) -> TimedStepper:
         self._require_fitted()
-        return TimedStepper(_step, self._initial_state, self._params)
+        return TimedStepper(_step, self._initial_state, self._params, _run)

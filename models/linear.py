@@ -59,7 +59,12 @@ class Linear(HysteresisModel):
 
     def stepper(self) -> KernelStepper:
         self._require_fitted()
-        return KernelStepper(_step, _initial_state, (self.parameters_["stiffness"], self.parameters_["offset"]))
+        return KernelStepper(
+            _step,
+            _initial_state,
+            (self.parameters_["stiffness"], self.parameters_["offset"]),
+            lambda x, state, params, out: np.copyto(out, self._predict_run(x)),
+        )
 
     def _invert_run(self, y: Floats, x0: float, approximate: bool) -> Floats:
         stiffness, offset = self.parameters_["stiffness"], self.parameters_["offset"]

@@ -196,4 +196,4 @@ class LuGre(HysteresisModel):
 
     def stepper(self) -> TimedStepper:
         self._require_fitted()
-        return TimedStepper(_step, _initial_state, self._params)
+        return TimedStepper(_step, _initial_state, self._params, _run)

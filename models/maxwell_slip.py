@@ -581,12 +581,15 @@ class MaxwellSlip(HysteresisModel):
         self._require_fitted()
         geometry = self.parameters_["geometry"]
         if geometry is None:
-            return KernelStepper(_step, _initial_state, self._params)
+            return KernelStepper(_step, _initial_state, self._params, _run)
 
         def kernel(x: float, state: Floats, params: Any, commit: bool) -> float:
             return float(_step(float(virtual_deformation(x, *geometry)), state, params, commit))
 
-        return KernelStepper(kernel, _initial_state, self._params)
+        def run(x: Floats, state: Floats, params: Any, out: Floats) -> None:
+            _run(virtual_deformation(x, *geometry), state, params, out)
+
+        return KernelStepper(kernel, _initial_state, self._params, run)
 
     def _invert_run(self, y: Floats, x0: float, approximate: bool) -> Floats:
         upper_x, upper_y, lower_x, lower_y = self._curves

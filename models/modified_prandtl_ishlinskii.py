@@ -16,7 +16,7 @@ from ..errors import InputError
 from .base import Condition, Floats, HysteresisModel, InverseError, Run, parameter_array, parameter_number
 from .least_squares import blocks, nonnegative, reduced
 from .motion import settled_from
-from .prandtl_ishlinskii import PrandtlIshlinskii, _plays
+from .prandtl_ishlinskii import PrandtlIshlinskii, _plays, _run
 from .stepping import KernelStepper
 
 __all__ = ["ModifiedPrandtlIshlinskii"]
@@ -258,7 +258,12 @@ class ModifiedPrandtlIshlinskii(HysteresisModel):
         def kernel(x: float, state: Floats, params: Any, commit: bool) -> float:
             return float(_curve(inner(x, state, params, commit), edges, values))
 
-        return KernelStepper(kernel, play._initial_state, play._parameters)
+        def run(x: Floats, state: Floats, params: Any, out: Floats) -> None:
+            h = np.empty_like(x)
+            _run(x, state, params, h)
+            _map(h, edges, values, out)
+
+        return KernelStepper(kernel, play._initial_state, play._parameters, run)
 
     def _invert_run(self, y: Floats, x0: float, approximate: bool) -> Floats:
         bad = [condition for condition in self.conditions_ if not condition.holds]

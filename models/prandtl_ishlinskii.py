@@ -225,7 +225,7 @@ class PrandtlIshlinskii(HysteresisModel):
 
     def stepper(self) -> KernelStepper:
         self._require_fitted()
-        return KernelStepper(_step, _initial_state, self._params)
+        return KernelStepper(_step, _initial_state, self._params, _run)
 
     def _invert_run(self, y: Floats, x0: float, approximate: bool) -> Floats:
         weights, thresholds, offset = (self.parameters_[k] for k in ("weights", "thresholds", "offset"))

@@ -412,7 +412,7 @@ class Preisach(HysteresisModel):
 
     def stepper(self) -> KernelStepper:
         self._require_fitted()
-        return KernelStepper(_step, _initial_state, self._params)
+        return KernelStepper(_step, _initial_state, self._params, _run)
 
 
 def _switching_thresholds(runs: Sequence[Run]) -> tuple[Floats, Floats] | None:
