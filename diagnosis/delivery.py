@@ -60,18 +60,16 @@ def sentence(found: Diagnosis) -> str:
     """The verdict in one sentence."""
     sure = f"(confidence {100.0 * found.confidence:.0f} %)"
     if not found.verdict:
-        return f"No gap beyond the noise of {found.noise_floor:.3g} N·m {sure}."
+        return f"No gap beyond the noise of {found.noise_floor:.3g} {found.signals.unit} {sure}."
     if found.verdict == [UNKNOWN]:
-        return f"The gap of {found.rmse:.3g} N·m is real, but no effect that is known here explains it {sure}."
+        return f"The gap of {found.rmse:.3g} {found.signals.unit} is real, but no effect that is known here explains it {sure}."
     titles = {report.name: report.name.replace("_", " ") for report in found.effects}
     named = [titles.get(name, name) for name in found.verdict if name != MISCALIBRATION]
     if MISCALIBRATION in found.verdict:
         named.append("the simulator's own parameters, which are off")
     cause = named[0] if len(named) == 1 else f"{', '.join(named[:-1])} and {named[-1]}"
     closed = min(max(found.closed_in_all, 0.0), 1.0)
-    return (
-        f"The gap of {found.rmse:.3g} N·m comes from {cause}; adding that closes {100.0 * closed:.0f} % of it {sure}."
-    )
+    return f"The gap of {found.rmse:.3g} {found.signals.unit} comes from {cause}; adding that closes {100.0 * closed:.0f} % of it {sure}."
 
 
 def summary(found: Diagnosis) -> list[str]:

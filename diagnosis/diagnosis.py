@@ -79,7 +79,7 @@ class Diagnosis:
         return {
             "schema": SCHEMA,
             "gap": {
-                "unit": "N·m",
+                "unit": self.signals.unit,
                 "rmse": _figure(self.rmse),
                 "noise_floor": _figure(self.noise_floor),
                 "closed_by_recalibration": _figure(self.closed_by_recalibration),

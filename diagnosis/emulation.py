@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from .. import models
+from ..bench.arguments import time_argument
 from ..errors import InputError
 from .operators import bristle, plays
 from .signals import Signals, differentiate
@@ -90,7 +91,7 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
     own = Generalised(signals)
     groups = np.repeat(np.arange(len(signals.runs)), [run.stop - run.start for run in signals.runs])
     if model is not None:
-        return _of_model(model, groups, *own.tangent())
+        return _of_model(model, signals, groups, *own.tangent())
     best = Emulator(
         "generalised Prandtl-Ishlinskii",
         own.error,
@@ -107,16 +108,17 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
             continue
         error = _relative_error(np.asarray(rival.predict(signals.x, groups)), signals.y_sim)
         if error < best.error:
-            best = replace(_of_model(rival, groups, best.structure, best.bulk), name=name, error=error)
+            best = replace(_of_model(rival, signals, groups, best.structure, best.bulk), name=name, error=error)
     return best
 
 
-def _of_model(model: Any, groups: NDArray[np.intp], structure: Floats, bulk: Floats) -> Emulator:
+def _of_model(model: Any, signals: Signals, groups: NDArray[np.intp], structure: Floats, bulk: Floats) -> Emulator:
     def predict(x: Floats) -> Floats:
-        return np.asarray(model.predict(x, groups))
+        return np.asarray(model.predict(x, groups, **time_argument(model.predict, signals.time)))
 
     def anew(x: Floats) -> Floats:
-        return np.asarray(model.predict(x))
+        time = signals.interval * np.arange(x.size, dtype=np.float64)
+        return np.asarray(model.predict(x, **time_argument(model.predict, time)))
 
     described = {"model": model.id, "parameters": dict(model.parameters_)}
     return Emulator("the simulator itself", 0.0, predict, anew, structure, bulk, described)

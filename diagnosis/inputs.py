@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import models
+from ..bench.arguments import time_argument
 from ..datasets.base import Recording
 from ..datasets.recording_files import read_recording
 from ..errors import InputError
 from .signals import Signals
 
-__all__ = ["MINIMUM_SAMPLES", "read_inputs", "signals_from"]
+__all__ = ["MINIMUM_SAMPLES", "outputs_of", "read_inputs", "signals_from"]
 
 Floats = NDArray[np.float64]
 MINIMUM_SAMPLES = 200
@@ -42,9 +43,7 @@ def read_inputs(
     if len(simulators) == 1 and Path(simulators[0]).suffix.lower() == ".json":
         model = models.load(simulators[0])
         real = [read_recording(file, x=x, y=y, time=time) for file in recordings]
-        return signals_from(
-            real, [np.asarray(model.predict(r.x)) for r in real], [str(file) for file in recordings]
-        ), model
+        return signals_from(real, outputs_of(model, real), [str(file) for file in recordings]), model
     if len(simulators) != len(recordings):
         raise InputError(
             f"{len(recordings)} recordings but {len(simulators)} --sim files; give one table for each, in the same order, or one model file"
@@ -56,6 +55,11 @@ def read_inputs(
         real.append(recording)
         outputs.append(sim.y)
     return signals_from(real, outputs, [str(file) for file in recordings]), None
+
+
+def outputs_of(model: Any, recordings: Sequence[Recording]) -> list[Floats]:
+    """A model's output for each recording, at its times where the model depends on them."""
+    return [np.asarray(model.predict(r.x, **time_argument(model.predict, r.time))) for r in recordings]
 
 
 def _check_pair(file: str, real: Recording, simulated: str, sim: Recording) -> None:

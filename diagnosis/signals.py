@@ -38,6 +38,8 @@ class Signals:
         The recordings; memory restarts with each.
     channels : mapping of str to array, shape (n,)
         Further measured channels, such as temperature or pressure.
+    unit : str
+        Of the output.
     """
 
     time: Floats
@@ -46,6 +48,7 @@ class Signals:
     y_sim: Floats
     runs: Sequence[slice]
     channels: Mapping[str, Floats]
+    unit: str = "N·m"
 
     # ---- what follows from them ------------------------------------------------------------------------------------
 
