@@ -71,9 +71,10 @@ def render(result: dict[str, Any]) -> str:
         parts.append(_table(head, rows))
     plain = {
         "alone": "Models without a C counterpart, 1e5 samples",
-        "samples": "Scaling with samples",
+        "samples": "Scaling with samples, streamed in blocks of 1e5",
         "operators": "Scaling with operators, 1e5 samples",
         "step": "One `stepper.step` from Python",
+        "blocks": "`stepper.steps` from Python, block by block",
         "fit": "Identification",
     }
     for section, title in plain.items():
@@ -82,6 +83,12 @@ def render(result: dict[str, Any]) -> str:
         if section == "fit":
             head, rows = ("model", "samples", "s"), [
                 (info["row"], f"{info['samples']:,}", f"{stats['median']:.3f}") for info, stats in sections[section]
+            ]  # fmt: skip
+        elif section == "samples":
+            head, rows = ("what", "s", "ns/sample, fastest pass", "peak memory of the process, MB"), [
+                (info["row"], f"{stats['median']:.4f}", f"{1e9 * stats['min'] / info['samples']:.1f}",
+                 f"{info['peak_mb']:.0f}")
+                for info, stats in sections[section]
             ]  # fmt: skip
         else:
             head, rows = ("what", "ms", "ms, fastest pass", "ns/sample, fastest pass"), [

@@ -6,6 +6,7 @@ Compilation (numba, cached on disk) happens before the first round and is never 
 from __future__ import annotations
 
 import os
+import resource
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -55,12 +56,32 @@ def test_predict(benchmark: Any, name: str) -> None:
     measure(benchmark, lambda: model.predict(x), "alone", name, samples=x.size)
 
 
-@pytest.mark.parametrize("samples", [10_000, 100_000, 1_000_000, 10_000_000])
-def test_cost_grows_with_samples(benchmark: Any, samples: int) -> None:
-    model, x = play_operators(), np.resize(sines(), samples)
-    measure(
-        benchmark, lambda: model.predict(x), "samples", f"prandtl-ishlinskii, {samples:,} samples", 5, samples=samples
-    )
+@pytest.mark.parametrize("samples", [100_000, 1_000_000, 10_000_000, 100_000_000])
+@pytest.mark.parametrize("name", ["prandtl-ishlinskii, 100 plays", "preisach, 5050 relays"])
+def test_cost_grows_with_samples(benchmark: Any, name: str, samples: int) -> None:
+    x = sines()
+    stepper = AGAINST_C[name][0]().stepper()
+
+    def stream() -> None:
+        stepper.reset()
+        for _ in range(samples // x.size):
+            stepper.steps(x)
+
+    measure(benchmark, stream, "samples", f"{name}, {samples:,} samples", 3, samples=samples)
+    benchmark.extra_info["peak_mb"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+
+
+@pytest.mark.parametrize("size", [1, 10, 100, 1000])
+def test_blocks(benchmark: Any, size: int) -> None:
+    stepper, x = play_operators().stepper(), sines()[:10_000]
+    parts = np.split(x, x.size // size)
+
+    def blocks() -> None:
+        stepper.reset()
+        for part in parts:
+            stepper.steps(part)
+
+    measure(benchmark, blocks, "blocks", f"prandtl-ishlinskii, 100 plays, blocks of {size:,}", samples=x.size)
 
 
 @pytest.mark.parametrize("operators", [10, 100, 1000, 10_000])
@@ -99,8 +120,15 @@ def decaying(samples: int) -> Floats:
     return np.sin(60.0 * np.pi * t) * np.exp(-2.0 * t)
 
 
-LINEAR = {"prandtl-ishlinskii": {"operators": 100}, "preisach": {}, "cubic": {}, "linear": {}, "elastic": {},
-          "modified-prandtl-ishlinskii": {"operators": 100}}  # fmt: skip
+LINEAR: dict[str, tuple[str, dict[str, int]]] = {
+    "prandtl-ishlinskii, 100 plays": ("prandtl-ishlinskii", {"operators": 100}),
+    "preisach, 105 cells": ("preisach", {"levels": 14}),
+    "preisach": ("preisach", {}),
+    "cubic": ("cubic", {}),
+    "linear": ("linear", {}),
+    "elastic": ("elastic", {}),
+    "modified-prandtl-ishlinskii, 100 plays": ("modified-prandtl-ishlinskii", {"operators": 100}),
+}
 NONLINEAR = ("bouc-wen", "maxwell-slip", "choi-backlash", "dahl", "duhem", "lugre", "generalized-maxwell-slip",
              "bouc-wen-baber-noori")  # fmt: skip
 
@@ -109,9 +137,8 @@ NONLINEAR = ("bouc-wen", "maxwell-slip", "choi-backlash", "dahl", "duhem", "lugr
 def test_fit(benchmark: Any, name: str) -> None:
     x = decaying(100_000 if name in LINEAR else 20_000)
     y = bouc_wen(1.5).predict(x) + 0.3 * x**3
-    cls, hyper = models.get(name), LINEAR.get(name, {})
-    row = ", ".join([name, *(f"{k} = {v}" for k, v in hyper.items())])
-    measure(benchmark, lambda: cls(**hyper).fit(x, y), "fit", row, 3 if name in LINEAR else 1, samples=x.size)
+    model, hyper = LINEAR.get(name, (name, {}))
+    measure(benchmark, lambda: models.get(model)(**hyper).fit(x, y), "fit", name, 3, samples=x.size)
 
 
 PEERS: dict[str, tuple[Callable[[Floats], Floats], Callable[[], Any], str]] = {
