@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass
 from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,16 @@ from .results import METRIC_COLUMNS, TASKS, TIME_COLUMNS, plain, write_cell
 from .session import session_id
 from .timing import seconds_per_call
 
-__all__ = ["CellSpec", "data_hash", "fallback_cell", "run_cell"]
+__all__ = [
+    "CellSpec",
+    "Errand",
+    "data_hash",
+    "fallback_cell",
+    "fitted_on",
+    "load_unchanged",
+    "model_identity",
+    "run_cell",
+]
 
 Floats = NDArray[np.float64]
 STEP_BLOCK = 256
@@ -40,6 +49,29 @@ MEMORY_LIMIT = 4.0
 """GiB that a cell may take; ten times what any built-in model needs."""
 
 PACKAGES = ("hystbench", "numpy", "scipy", "numba", "filterpy")
+
+
+class Errand(Protocol):
+    """One piece of work of a run, done in a process of its own and kept under a content hash."""
+
+    @property
+    def run(self) -> str: ...
+    @property
+    def time_limit(self) -> float: ...
+    @property
+    def memory_limit(self) -> float: ...
+    @property
+    def keep_arrays(self) -> bool: ...
+    @property
+    def key(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+
+    def blank(self) -> dict[str, Any]:
+        """The cell before anything is known; its rows have no status yet."""
+
+    def fill(self, cell: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> None:
+        """Compute the cell and give its rows a status."""
 
 
 @dataclass(frozen=True)
@@ -60,14 +92,9 @@ class CellSpec:
 
     @property
     def key(self) -> str:
-        cls = models.get(self.model)
         document = {
-            "model": self.model,
-            "version": getattr(cls, "version", None),
-            "code": _code_hash(cls.__module__),
-            "hyperparameters": repr(cls().get_params()) if hasattr(cls, "get_params") else None,
+            **model_identity(self.model),
             "metrics": METRIC_VERSION,
-            "packages": _packages(),
             **{k: v for k, v in asdict(self).items() if k not in ("timing_time", "time_limit", "memory_limit", "run")},
         }
         return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()[:24]
@@ -75,6 +102,26 @@ class CellSpec:
     @property
     def name(self) -> str:
         return f"{self.model} on {self.dataset} ({self.condition}, seed {self.seed})"
+
+    def blank(self) -> dict[str, Any]:
+        """The cell before anything is known."""
+        return _empty_cell(self)
+
+    def fill(self, cell: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> None:
+        """Fit and score every task."""
+        _fill(cell, arrays, self)
+
+
+def model_identity(model: str) -> dict[str, Any]:
+    """What a result depends on of a model: its version, source and hyperparameters, and the packages under it."""
+    cls = models.get(model)
+    return {
+        "model": model,
+        "version": getattr(cls, "version", None),
+        "code": _code_hash(cls.__module__),
+        "hyperparameters": repr(cls().get_params()) if hasattr(cls, "get_params") else None,
+        "packages": _packages(),
+    }
 
 
 @lru_cache(maxsize=1)
@@ -117,28 +164,42 @@ def load_dataset(name: str) -> Dataset:
     return datasets.source(name).load()
 
 
-def data_hash(dataset: Dataset) -> str:
-    """SHA-256 over every sample, the split and the assumed noise."""
+def data_hash(dataset: Dataset, *, channels: bool = False) -> str:
+    """SHA-256 over every sample, the split and the assumed noise; over all further channels too if they matter."""
     digest = hashlib.sha256()
     for part in (dataset.train, dataset.test):
         for recording in part:
             digest.update(f"{recording.name}|{recording.warm_up}|".encode())
             for series in (recording.time, recording.x, recording.y):
                 digest.update(np.ascontiguousarray(series).tobytes())
+            for name in sorted(recording.channels) if channels else ():
+                digest.update(name.encode())
+                digest.update(np.ascontiguousarray(recording.channels[name]).tobytes())
     digest.update(repr((dataset.x_sigma, dataset.y_sigma)).encode())
     return digest.hexdigest()
 
 
-@lru_cache(maxsize=4)
-def _conditioned(name: str, data: str, condition: str, seed: int) -> Conditioned:
+def load_unchanged(name: str, data: str, *, channels: bool = False) -> Dataset:
+    """The dataset whose hash is ``data``.
+
+    Raises
+    ------
+    InputError
+        If it has another one now.
+    """
     dataset = load_dataset(name)
     # A worker may have loaded it long before or after the run was planned; a user's file may have changed in between.
-    if data_hash(dataset) != data:
+    if data_hash(dataset, channels=channels) != data:
         load_dataset.cache_clear()
         dataset = load_dataset(name)
-        if data_hash(dataset) != data:
+        if data_hash(dataset, channels=channels) != data:
             raise InputError(f"dataset {name} has changed since the run was planned; run again")
-    return apply(dataset, condition, seed)
+    return dataset
+
+
+@lru_cache(maxsize=4)
+def _conditioned(name: str, data: str, condition: str, seed: int) -> Conditioned:
+    return apply(load_unchanged(name, data), condition, seed)
 
 
 @lru_cache(maxsize=64)
@@ -158,9 +219,9 @@ def warm_up(model: str) -> float:
     return time.perf_counter() - start
 
 
-def run_cell(spec: CellSpec, folder: Path) -> dict[str, Any]:
+def run_cell(spec: Errand, folder: Path) -> dict[str, Any]:
     """Compute one cell, write it to ``folder`` and return it. Never raises for what a model does."""
-    cell = _empty_cell(spec)
+    cell = spec.blank()
     arrays: dict[str, NDArray[Any]] = {}
     marker = folder / f".{spec.key}.started"
     marker.touch()
@@ -172,22 +233,23 @@ def run_cell(spec: CellSpec, folder: Path) -> dict[str, Any]:
             time_limit(spec.time_limit),
             memory_limit(spec.memory_limit),
         ):
-            _fill(cell, arrays, spec)
+            spec.fill(cell, arrays)
     except CellTimeoutError:
         _finish(cell, "timeout", f"took longer than {spec.time_limit:g} s")
     except BaseException as error:  # whatever a model raises costs its own cell only
         _finish(cell, "failed", _one_line(error))
     cell["elapsed_s"], cell["cpu_s"] = time.perf_counter() - start, time.process_time() - cpu
-    for row in cell["rows"]:
-        row.update({column: cell["timing"].get(column, np.nan) for column in TIME_COLUMNS})
+    if "timing" in cell:
+        for row in cell["rows"]:
+            row.update({column: cell["timing"].get(column, np.nan) for column in TIME_COLUMNS})
     write_cell(folder, cell, arrays if spec.keep_arrays else {})
     marker.unlink(missing_ok=True)
     return cell
 
 
-def fallback_cell(spec: CellSpec, folder: Path, status: str, message: str) -> dict[str, Any]:
+def fallback_cell(spec: Errand, folder: Path, status: str, message: str) -> dict[str, Any]:
     """A cell for a model whose process died before it could write one itself."""
-    cell = _empty_cell(spec)
+    cell = spec.blank()
     _finish(cell, status, message)
     write_cell(folder, cell, {})
     (folder / f".{spec.key}.started").unlink(missing_ok=True)
@@ -225,17 +287,22 @@ def _one_line(error: BaseException) -> str:
     return " ".join(f"{type(error).__name__}: {told}".split())[:400]
 
 
+def fitted_on(model: str, train: Sequence[Recording]) -> tuple[Any, float]:
+    """A model fitted to recordings, and the seconds that took."""
+    x, y, groups = concatenate(train)
+    fitted = models.get(model)()
+    times = time_argument(fitted.fit, np.concatenate([r.time for r in train]))
+    start = time.perf_counter()
+    fitted.fit(x, y, groups=groups, **times)
+    return fitted, time.perf_counter() - start
+
+
 def _fill(cell: dict[str, Any], arrays: dict[str, NDArray[Any]], spec: CellSpec) -> None:
     data = _conditioned(spec.dataset, spec.data, spec.condition, spec.seed)
     cell["filter"] = data.filter
     cell["compile_s"] = warm_up(spec.model)
-    x, y, groups = concatenate(data.train)
-    train_time = np.concatenate([r.time for r in data.train])
-    fitted = models.get(spec.model)()
-    start = time.perf_counter()
-    fitted.fit(x, y, groups=groups, **time_argument(fitted.fit, train_time))
     timing = cell["timing"]
-    timing["fit_s"] = time.perf_counter() - start
+    fitted, timing["fit_s"] = fitted_on(spec.model, data.train)
     cell["fit"] = {
         "parameters": plain(getattr(fitted, "parameters_", {})),
         "conditions": [plain(vars(c)) for c in getattr(fitted, "conditions_", [])],

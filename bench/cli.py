@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import sys
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -98,6 +99,8 @@ def cli() -> None:
               help="Folder for results.parquet, run.json and report.html.")  # fmt: skip
 @click.option("--jobs", type=click.IntRange(1, 1024), help="Processes (default: one a core).")
 @click.option("--quick", is_flag=True, help="One seed and fewer conditions, for a first look.")
+@click.option("--diagnose/--no-diagnose", default=None,
+              help="What each model lacks on each recorded dataset (default: what the best one lacks; --quick: none).")  # fmt: skip
 @click.option("--resume/--fresh", default=True, help="Keep cells that --out holds already (default), or compute all.")
 @click.option("--backend", type=click.Choice(["loky", "dask"]), default="loky", show_default=True,
               help="loky: processes on this machine; dask: the workers of a dask.distributed scheduler.")  # fmt: skip
@@ -112,6 +115,7 @@ def run(
     out: Path,
     jobs: int | None,
     quick: bool,
+    diagnose: bool | None,
     resume: bool,
     backend: str,
     scheduler: str | None,
@@ -147,7 +151,7 @@ def run(
         raise InputError("--jobs is for this machine; with --backend dask the workers' threads are the processes")
     if out.exists() and not out.is_dir():
         raise InputError(f"--out {out} is a file; name a folder")
-    plan = plan_run(models, _with_columns(datasets, x=x, y=y, time=time), quick)
+    plan = plan_run(models, _with_columns(datasets, x=x, y=y, time=time), quick, diagnose)
     if plan.absent:
         message(
             f"recorded data not on this machine, left out: {', '.join(plan.absent)}; `hystbench data fetch` gets them"
@@ -155,25 +159,26 @@ def run(
     if array is not None:
         plan = part_of(plan, *array)
     out.mkdir(parents=True, exist_ok=True)
-    counts: dict[str, int] = {}
+    counts: dict[str, Counter[str]] = {"cells": Counter(), "diagnoses": Counter()}
     console = Console(stderr=True)
     with Progress(
         TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(),
         console=console, transient=True, disable=not console.is_terminal,
     ) as progress:  # fmt: skip
-        task = progress.add_task("cells", total=len(plan.cells))
+        task = progress.add_task("cells", total=plan.errands)
 
         def advance(cell: dict[str, Any]) -> None:
-            for row in cell["rows"]:
-                counts[row["status"]] = counts.get(row["status"], 0) + 1
+            counts["diagnoses" if "diagnosis" in cell else "cells"].update(row["status"] for row in cell["rows"])
             progress.update(task, advance=1, description=f"{cell['model']} on {cell['dataset']}")
 
         command = ["hystbench", *sys.argv[1:]]
         compute(plan, out, jobs or os.cpu_count() or 1, not resume, command, advance, scheduler)
         progress.update(task, description="report")
         page = render(out) if plan.cells else out / "results.parquet"
-    told = ", ".join(f"{counts[status]} {status}" for status in sorted(counts))
-    message(f"{len(plan.cells)} cells: {told}")
+    for kind, number in (("cells", len(plan.cells)), ("diagnoses", counts["diagnoses"].total())):
+        if number or kind == "cells":
+            told = ", ".join(f"{count} {status}" for status, count in sorted(counts[kind].items()))
+            message(f"{number} {kind}: {told}")
     click.echo(str(page))
 
 

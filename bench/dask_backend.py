@@ -18,7 +18,7 @@ from typing import Any
 from uuid import uuid4
 
 from ..errors import InputError
-from .cells import CellSpec, fallback_cell, run_cell
+from .cells import Errand, fallback_cell, run_cell
 from .local_backend import run_guarded, worker_pool
 from .results import write_cell
 
@@ -28,7 +28,7 @@ CONNECT_TIMEOUT = "15s"
 _own = threading.local()
 
 
-def compute_on_dask(specs: Sequence[CellSpec], folder: Path, scheduler: str) -> Iterable[dict[str, Any]]:
+def compute_on_dask(specs: Sequence[Errand], folder: Path, scheduler: str) -> Iterable[dict[str, Any]]:
     """Yield finished cells. What a dying worker had not finished is handed to another one.
 
     Raises
@@ -67,7 +67,7 @@ def compute_on_dask(specs: Sequence[CellSpec], folder: Path, scheduler: str) -> 
             client.cancel(list(futures), force=True)
 
 
-def _remote_cell(spec: CellSpec) -> tuple[dict[str, Any], bytes]:
+def _remote_cell(spec: Errand) -> tuple[dict[str, Any], bytes]:
     """On a worker: compute a cell in a temporary folder and return it with its arrays as they lie on disk."""
     # dask marks its workers as daemons, which may not have children; ours end with them, or soon after, idle.
     multiprocessing.current_process()._config["daemon"] = False  # type: ignore[attr-defined]
@@ -90,7 +90,7 @@ def _pool() -> Executor:
     return _own.pool
 
 
-def _store(spec: CellSpec, cell: dict[str, Any], arrays: bytes, folder: Path) -> dict[str, Any]:
+def _store(spec: Errand, cell: dict[str, Any], arrays: bytes, folder: Path) -> dict[str, Any]:
     if cell["key"] != spec.key:
         raise InputError(
             "a dask worker computes with another version of hystbench, numpy, scipy or numba than this machine; "
@@ -100,7 +100,7 @@ def _store(spec: CellSpec, cell: dict[str, Any], arrays: bytes, folder: Path) ->
     return cell
 
 
-def _failed(spec: CellSpec, error: BaseException | None, folder: Path) -> dict[str, Any]:
+def _failed(spec: Errand, error: BaseException | None, folder: Path) -> dict[str, Any]:
     if type(error).__name__ == "KilledWorker":
         return fallback_cell(spec, folder, "failed", "every dask worker that took it died")
     raise InputError(f"{spec.name}: the dask worker could not run it ({type(error).__name__}: {error})")

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
-from .cells import CellSpec, fallback_cell, run_cell
+from .cells import Errand, fallback_cell, run_cell
 from .results import read_cells
 
 __all__ = ["compute_here", "run_guarded", "worker_pool"]
@@ -44,7 +44,7 @@ def _stop(pool: Executor, *, kill: bool) -> None:
     pool.shutdown(wait=True, kill_workers=kill)  # type: ignore[call-arg]  # loky's own argument
 
 
-def compute_here(specs: Sequence[CellSpec], folder: Path, jobs: int) -> Iterable[dict[str, Any]]:
+def compute_here(specs: Sequence[Errand], folder: Path, jobs: int) -> Iterable[dict[str, Any]]:
     """Yield finished cells. A cell whose process dies is tried once more alone; if it dies again it has failed.
 
     Raises
@@ -58,7 +58,7 @@ def compute_here(specs: Sequence[CellSpec], folder: Path, jobs: int) -> Iterable
     while pending:
         pool = worker_pool(min(jobs, len(pending)))
         try:
-            futures: dict[Future[list[dict[str, Any]]], Sequence[CellSpec]] = {
+            futures: dict[Future[list[dict[str, Any]]], Sequence[Errand]] = {
                 pool.submit(_run_cells, batch, folder): batch for batch in _batches(list(pending.values()), jobs)
             }
             for future in as_completed(futures):
@@ -90,25 +90,25 @@ def compute_here(specs: Sequence[CellSpec], folder: Path, jobs: int) -> Iterable
             _stop(pool, kill=bool(pending))
 
 
-def _batches(specs: Sequence[CellSpec], jobs: int) -> list[Sequence[CellSpec]]:
+def _batches(specs: Sequence[Errand], jobs: int) -> list[Sequence[Errand]]:
     """The cells in batches for one errand each: none in small runs, whose cells are long and should spread evenly."""
     size = min(max(len(specs) // (100 * jobs), 1), LARGEST_BATCH)
     return [specs[start : start + size] for start in range(0, len(specs), size)]
 
 
-def _run_cells(specs: Sequence[CellSpec], folder: Path) -> list[dict[str, Any]]:
+def _run_cells(specs: Sequence[Errand], folder: Path) -> list[dict[str, Any]]:
     """In a worker: each cell is on disk before the next one starts."""
     return [run_cell(spec, folder) for spec in specs]
 
 
-def _checked(spec: CellSpec, cell: dict[str, Any]) -> dict[str, Any]:
+def _checked(spec: Errand, cell: dict[str, Any]) -> dict[str, Any]:
     """The cell, unless its process computed something else than was asked for: it reads the code later than we did."""
     if cell["key"] != spec.key:
         raise InputError(f"{spec.name}: the code or the packages changed while the run was going on; run it again")
     return cell
 
 
-def _alone(spec: CellSpec, folder: Path, error: Exception) -> dict[str, Any]:
+def _alone(spec: Errand, folder: Path, error: Exception) -> dict[str, Any]:
     finished = read_cells(folder).get(spec.key)
     if finished is not None and finished.get("run") == spec.run and not (folder / f".{spec.key}.started").exists():
         return finished
@@ -119,7 +119,7 @@ def _alone(spec: CellSpec, folder: Path, error: Exception) -> dict[str, Any]:
         _stop(pool, kill=True)
 
 
-def run_guarded(pool: Executor, spec: CellSpec, folder: Path) -> dict[str, Any]:
+def run_guarded(pool: Executor, spec: Errand, folder: Path) -> dict[str, Any]:
     """Compute one cell on a pool of one process; if that dies, the cell has failed (or timed out)."""
     try:
         return pool.submit(run_cell, spec, folder).result()

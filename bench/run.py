@@ -7,10 +7,10 @@ import json
 import os
 import time
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar
 from uuid import uuid4
 
 from .. import datasets, models
@@ -18,9 +18,10 @@ from ..datasets import Dataset, DatasetUnavailableError
 from ..errors import InputError
 from ..files import write_text
 from ..plugins import BrokenPluginWarning
-from .cells import MEMORY_LIMIT, CellSpec, data_hash
+from .cells import MEMORY_LIMIT, CellSpec, Errand, data_hash
 from .conditions import conditions_for
 from .dask_backend import compute_on_dask
+from .diagnoses import DiagnosisSpec, best_models, diagnosis_specs, write_diagnoses
 from .local_backend import compute_here
 from .provenance import describe
 from .references import reference_scores
@@ -28,6 +29,7 @@ from .results import plain, read_cells, read_document, write_results
 
 __all__ = ["Plan", "part_of", "plan_run", "run"]
 
+E = TypeVar("E", bound=Errand)
 SCHEMA = "hystbench/run/1"
 SEEDS = (0, 1, 2)
 TIME_LIMIT = 120.0
@@ -52,9 +54,21 @@ class Plan:
     """(i, n) if these are the cells of the i-th of n runs that together do the whole."""
     absent: list[str] = field(default_factory=list)
     """Recorded datasets among the skipped whose files are not on this machine."""
+    diagnoses: list[DiagnosisSpec] = field(default_factory=list)
+    """What could be diagnosed: every model on every recorded dataset."""
+    diagnosed: str = "none"
+    """Of these ``none``, ``best`` (each dataset's best model) or ``all``."""
+
+    @property
+    def errands(self) -> int:
+        """Cells and diagnoses together."""
+        chosen = {"none": 0, "best": len({spec.dataset for spec in self.diagnoses}), "all": len(self.diagnoses)}
+        return len(self.cells) + chosen[self.diagnosed]
 
 
-def plan_run(model_ids: Sequence[str] | None, dataset_ids: Sequence[str] | None, quick: bool) -> Plan:
+def plan_run(
+    model_ids: Sequence[str] | None, dataset_ids: Sequence[str] | None, quick: bool, diagnose: bool | None = False
+) -> Plan:
     """Decide which cells to compute.
 
     Parameters
@@ -64,6 +78,9 @@ def plan_run(model_ids: Sequence[str] | None, dataset_ids: Sequence[str] | None,
         recording in a file is a dataset too, by its path (see :class:`hystbench.datasets.user_recording.UserRecording`).
     quick : bool
         One seed, fewer conditions, and of the datasets only those that are not extended (unless named).
+    diagnose : bool or None
+        Whether to diagnose what each model lacks on each recorded dataset; None: what each dataset's best model lacks,
+        unless the run is quick.
 
     Raises
     ------
@@ -76,6 +93,7 @@ def plan_run(model_ids: Sequence[str] | None, dataset_ids: Sequence[str] | None,
     limit, memory = _limit("TIME", TIME_LIMIT, "seconds"), _limit("MEMORY", MEMORY_LIMIT, "GiB")
     seeds = list(SEEDS[:1] if quick else SEEDS)
     plan = Plan([], {}, {}, chosen, seeds)
+    plan.diagnosed = {True: "all", False: "none", None: "none" if quick else "best"}[diagnose]
     for registry in (models.registry, datasets.registry):
         plan.skipped += [{"what": f"{registry.kind} {name}", "why": why} for name, why in registry.broken.items()]
     for name in list(dict.fromkeys(dataset_ids)) if dataset_ids else datasets.ids():
@@ -121,6 +139,7 @@ def plan_run(model_ids: Sequence[str] | None, dataset_ids: Sequence[str] | None,
                             timing_time=QUICK_TIMING_TIME if quick else TIMING_TIME,
                         )
                     )
+    plan.diagnoses = diagnosis_specs(chosen, plan.datasets, limit, memory)
     if not plan.cells:
         raise InputError("nothing to run: no dataset could be loaded; see `hystbench list datasets`")
     return plan
@@ -149,11 +168,23 @@ def _limit(kind: str, default: float, unit: str) -> float:
 def part_of(plan: Plan, part: int, parts: int) -> Plan:
     """The cells of one of ``parts`` runs that together do the plan; which are whose depends on their names alone.
 
-    The order is that of a hash, so that each part gets some of every model and dataset.
+    The order is that of a hash, so that each part gets some of every model and dataset. Which model is best no part
+    knows, so that either all are diagnosed or none is.
     """
-    ordered = sorted(plan.cells, key=lambda spec: hashlib.sha256(spec.name.encode()).digest())
-    kept = set(ordered[part - 1 :: parts])
-    return replace(plan, cells=[spec for spec in plan.cells if spec in kept], part=(part, parts))
+    diagnosed = "all" if plan.diagnosed == "all" else "none"
+    return replace(
+        plan,
+        cells=_share(plan.cells, part, parts),
+        diagnoses=_share(plan.diagnoses, part, parts),
+        diagnosed=diagnosed,
+        part=(part, parts),
+    )
+
+
+def _share(specs: Sequence[E], part: int, parts: int) -> list[E]:
+    ordered = sorted(specs, key=lambda spec: hashlib.sha256(spec.name.encode()).digest())
+    kept = {spec.name for spec in ordered[part - 1 :: parts]}
+    return [spec for spec in specs if spec.name in kept]
 
 
 def run(
@@ -165,73 +196,111 @@ def run(
     advance: Callable[[dict[str, Any]], None],
     scheduler: str | None = None,
 ) -> Path:
-    """Compute the plan's cells and write results.parquet and run.json to ``out``.
+    """Compute the plan's cells and write results.parquet, diagnoses.json and run.json to ``out``.
 
     On ``jobs`` processes of this machine, or on the workers of the dask scheduler at ``scheduler``.
 
     Cells that ``out`` holds already are kept unless ``fresh``; ``advance`` is called with each finished cell. A fresh run
     replaces old cells one by one, so that none is lost if it is interrupted; the next fresh run in ``out`` goes on with it.
     """
-    folder = out / "cells"
-    folder.mkdir(parents=True, exist_ok=True)
-    # Marks and half-written files of a run that was killed.
-    for left in folder.glob(".*"):
-        left.unlink(missing_ok=True)
-    specs = {spec.key: spec for spec in plan.cells}
-    known = read_cells(folder)
     previous = read_document(out)
     goes_on = fresh and previous.get("fresh") is True and previous.get("finished") is False
     run_id = str(previous["run"]) if goes_on else uuid4().hex
-    cells = {
-        key: known[key]
-        for key, spec in specs.items()
-        if key in known and _is_whole(spec, known[key], folder) and (not fresh or known[key].get("run") == run_id)
-    }
-    pending = [replace(spec, run=run_id) for key, spec in specs.items() if key not in cells]
+    only = run_id if fresh else None
+    scored, diagnosed = _Work(plan.cells, out / "cells", only), _Work(plan.diagnoses, out / "diagnoses", only)
     document = {
         **_document(plan, command),
         "run": run_id,
         "fresh": fresh,
         # What an earlier run left for these counts until this run has replaced it.
-        "superseded": [spec.key for spec in pending if spec.key in known],
+        "superseded": [spec.key for spec in scored.pending if spec.key in scored.known],
     }
     start = time.perf_counter()
-    _write_document(out, document, cells, start, finished=False)
-    try:
-        for kept in list(cells.values()):
-            advance(kept)
-        finished_cells = (
-            compute_on_dask(pending, folder, scheduler) if scheduler else compute_here(pending, folder, jobs)
+    finished = False
+
+    def compute(work: _Work[E], specs: Sequence[E]) -> Iterator[dict[str, Any]]:
+        pending = [replace(spec, run=run_id) for spec in specs if spec.key not in work.done]  # type: ignore[type-var]
+        yield from [work.done[spec.key] for spec in specs if spec.key in work.done]
+        work.folder.mkdir(parents=True, exist_ok=True)
+        found = (
+            compute_on_dask(pending, work.folder, scheduler) if scheduler else compute_here(pending, work.folder, jobs)
         )
-        for cell in finished_cells:
-            cells[cell["key"]] = cell
+        for cell in found:
+            work.done[cell["key"]] = cell
+            yield cell
+
+    def save() -> None:
+        write_results(out / "results.parquet", scored.held())
+        write_diagnoses(out / "diagnoses.json", diagnosed.held())
+        _write_document(out, document, scored.done, start, finished=finished)
+
+    _write_document(out, document, scored.done, start, finished=False)
+    try:
+        for cell in compute(scored, plan.cells):
             advance(cell)
-        _drop_outdated(folder, plan.cells)
+        chosen = {"none": [], "best": best_models(plan.diagnoses, scored.done.values()), "all": plan.diagnoses}
+        if chosen[plan.diagnosed]:
+            save()
+        for cell in compute(diagnosed, chosen[plan.diagnosed]):
+            write_diagnoses(out / "diagnoses.json", diagnosed.held())
+            advance(cell)
+        scored.drop_outdated()
+        diagnosed.drop_outdated()
         finished = True
-    except BaseException:
-        finished = False
-        raise
     finally:
-        held = known | cells
-        ordered = [held[key] for key in specs if key in held]
-        write_results(out / "results.parquet", ordered)
-        _write_document(out, document, cells, start, finished=finished)
+        save()
     return out
 
 
-def _is_whole(spec: CellSpec, cell: dict[str, Any], folder: Path) -> bool:
-    """Whether a kept cell need not be computed again; what failed for want of time or memory may succeed now."""
-    succeeded = all(row["status"] in ("ok", "unsupported") for row in cell["rows"])
-    return succeeded and (not spec.keep_arrays or (folder / f"{spec.key}.npz").exists())
+class _Work(Generic[E]):
+    """Work of one kind: what its folder holds of it already, and what is left.
+
+    Parameters
+    ----------
+    specs : sequence of Errand
+    folder : Path
+    only : str, optional
+        Of what lies there keep only what the run of this id computed.
+    """
+
+    def __init__(self, specs: Sequence[E], folder: Path, only: str | None) -> None:
+        self.folder = folder
+        # Marks and half-written files of a run that was killed.
+        for left in folder.glob(".*"):
+            left.unlink(missing_ok=True)
+        self.specs = {spec.key: spec for spec in specs}
+        self.known = read_cells(folder)
+        self.done = {
+            key: self.known[key]
+            for key, spec in self.specs.items()
+            if key in self.known and self._is_whole(spec) and only in (None, self.known[key].get("run"))
+        }
+
+    @property
+    def pending(self) -> list[E]:
+        return [spec for key, spec in self.specs.items() if key not in self.done]
+
+    def held(self) -> list[dict[str, Any]]:
+        """What is finished and, where it is not, what an earlier run left; in the plan's order."""
+        cells = self.known | self.done
+        return [cells[key] for key in self.specs if key in cells]
+
+    def _is_whole(self, spec: E) -> bool:
+        """Whether a kept cell need not be computed again; what failed for want of time or memory may succeed now."""
+        succeeded = all(row["status"] in ("ok", "unsupported") for row in self.known[spec.key]["rows"])
+        return succeeded and (not spec.keep_arrays or (self.folder / f"{spec.key}.npz").exists())
+
+    def drop_outdated(self) -> None:
+        """Remove what older versions or data left for this very work; cells that this run did not ask for stay."""
+        current = {_identity(spec.blank()): key for key, spec in self.specs.items()}
+        for key, cell in read_cells(self.folder).items():
+            if current.get(_identity(cell), key) != key:
+                for suffix in (".json", ".npz"):
+                    (self.folder / f"{key}{suffix}").unlink(missing_ok=True)
 
 
-def _drop_outdated(folder: Path, specs: Sequence[CellSpec]) -> None:
-    """Remove what older versions or data left for these very cells; cells that this run did not ask for stay."""
-    current = {(s.model, s.dataset, s.condition, s.seed): s.key for s in specs}
-    for key, cell in read_cells(folder).items():
-        if current.get((cell["model"], cell["dataset"], cell["condition"], cell["seed"]), key) != key:
-            for suffix in (".json", ".npz"):
-                (folder / f"{key}{suffix}").unlink(missing_ok=True)
+def _identity(cell: dict[str, Any]) -> tuple[Any, ...]:
+    return tuple(cell[name] for name in ("model", "dataset", "condition", "seed"))
 
 
 def _document(plan: Plan, command: list[str]) -> dict[str, Any]:
@@ -278,6 +347,7 @@ def _document(plan: Plan, command: list[str]) -> dict[str, Any]:
         "data": {name: {"sha256": digest} for name, digest in plan.data.items()},
         "skipped": plan.skipped,
         "cells_total": len(plan.cells),
+        "diagnosed": plan.diagnosed,
         "cells": [spec.key for spec in plan.cells],
         "part": list(plan.part) if plan.part else None,
     }
