@@ -19,6 +19,7 @@ ENCODER_NOISE = 1e-4
 """Standard deviation of the deflection's noise over the reach."""
 SMALLEST, LARGEST = 1e-4, 60.0
 """Sizes of an effect between which the one with the wanted gap is searched; 1 is typical."""
+GUESS, CORRECTIONS, CLOSE = 0.04, 5, 0.02
 BASE_ERROR = 0.04
 """Relative error of a badly calibrated simulator's parameters."""
 
@@ -118,8 +119,14 @@ def sized(joint: Joint, effects: tuple[str, ...], ratio: float, time: Floats, x:
         gap = _alone(joint, time, x, name, float(np.exp(log_size)), none)
         return float(np.log(max(np.sqrt(np.mean(np.square(gap))), 1e-12) / (ratio * noise)))
 
-    sizes = {
-        name: float(np.exp(brentq(excess, np.log(SMALLEST), np.log(LARGEST), args=(name,), xtol=0.01)))
-        for name in effects
-    }
-    return Plant(joint, sizes, noise)
+    def size_of(name: str) -> float:
+        # Most gaps grow about as the size does, so a few corrections by the ratio that is missed are enough.
+        guess = float(np.log(GUESS * ratio))
+        for _ in range(CORRECTIONS):
+            missed = excess(guess, name)
+            if abs(missed) < CLOSE:
+                return float(np.exp(guess))
+            guess = float(np.clip(guess - missed, np.log(SMALLEST), np.log(LARGEST)))
+        return float(np.exp(brentq(excess, np.log(SMALLEST), np.log(LARGEST), args=(name,), xtol=CLOSE)))
+
+    return Plant(joint, {name: size_of(name) for name in effects}, noise)
