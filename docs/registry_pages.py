@@ -17,6 +17,7 @@ from hystbench.datasets import DatasetUnavailableError, concatenate
 __all__ = ["write_pages"]
 
 KINDS = (("models", models.registry), ("datasets", datasets.registry), ("effects", diagnosis.registry))
+SPEED = Path(__file__).with_name("speed.md")
 PICTURE_DATASET = "vsa-minor-loops"
 
 
@@ -60,6 +61,10 @@ def _model(name: str, plugin: Any, folder: Path) -> str:
         f"`{PICTURE_DATASET}` (grey) and the prediction after a fit to its training recordings.*",
         "",
         _docstring(plugin),
+        "## When to use it",
+        "",
+        *([f"Use it for {plugin.use_for}.", ""] if plugin.use_for else []),
+        *([f"Not for {plugin.not_for}.", ""] if plugin.not_for else []),
         "## How it works",
         "",
         _module(plugin),
@@ -68,8 +73,29 @@ def _model(name: str, plugin: Any, folder: Path) -> str:
         lines += ["## Conditions that a fit checks", ""]
         lines += [f"- {condition.name}" for condition in fitted.conditions_]
         lines.append("")
+    lines += ["## Cost", "", *_cost(name), ""]
     lines += [f"Source: {plugin.source}.", ""]
     return "\n".join(lines)
+
+
+def _cost(name: str) -> list[str]:
+    """The model's rows of the speed page."""
+    rows, title = ["| what | | time |", "|---|---|---:|"], ""
+    for line in SPEED.read_text(encoding="utf-8").splitlines():
+        if line.startswith("## "):
+            title = line[3:]
+        cells = [cell.strip() for cell in line.strip("|").split("|")]
+        if not line.startswith("| ") or cells[0].split(",")[0] != name:
+            continue
+        if title.startswith(("Predicting", "Models without")):
+            rows.append(f"| predict, 1e5 samples | {cells[0]} | {float(cells[1]):.3g} ms |")
+        elif title.startswith("One `stepper.step`"):
+            rows.append(f"| one step from Python | {cells[0]} | {float(cells[3]) / 1e3:.2g} µs |")
+        elif title == "Identification":
+            rows.append(f"| fit, {cells[1]} samples | {cells[0]} | {float(cells[2]):.2g} s |")
+    if len(rows) == 2:
+        return ["Not measured; [the speed page](../../speed.md) has the others."]
+    return [*rows, "", "How it was measured, and beside what: [speed](../../speed.md)."]
 
 
 def _picture(path: Path, fitted: Any, x: np.ndarray, y: np.ndarray, reach: float) -> None:

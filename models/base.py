@@ -143,6 +143,9 @@ class HysteresisModel:
     id: ClassVar[str]
     title: ClassVar[str]
     summary: ClassVar[str]
+    use_for: ClassVar[str] = ""
+    not_for: ClassVar[str] = ""
+    """What the model is the right choice for and what not, for its page in the documentation."""
     source: ClassVar[str]
     references: ClassVar[tuple[str, ...]] = ()
     """BibTeX entries of the source, or keys of ``references.bib``; see :func:`hystbench.models.citation`."""

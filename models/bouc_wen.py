@@ -179,6 +179,11 @@ class BoucWen(HysteresisModel):
     id: ClassVar[str] = "bouc-wen"
     title: ClassVar[str] = "Bouc-Wen"
     summary: ClassVar[str] = "a differential equation with five parameters; smooth symmetric loops"
+    use_for: ClassVar[str] = (
+        "smooth symmetric loops of dampers, joints and structures, when a differential equation with few parameters "
+        "must go into a simulator"
+    )
+    not_for: ClassVar[str] = "asymmetric or strongly bent loops, and strict return-point memory: its minor loops drift"
     source: ClassVar[str] = "Wen 1976; Ikhouane & Rodellar 2007"
     references: ClassVar[tuple[str, ...]] = ("wen1976",)
     search_grid: ClassVar[Mapping[str, Sequence[Any]]] = {"n": (None, 1.0, 2.0)}

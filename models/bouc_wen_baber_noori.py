@@ -139,12 +139,13 @@ def _run(x, state, params, out):
 class BoucWenBaberNoori(HysteresisModel):
     """Bouc-Wen with asymmetry, pinching and degradation.
 
-    y = Σ spring_k x^k + hysteretic·z,
-    dz = h {A − ν |z|^n [beta sgn(dx z) + gamma + phi (sgn(dx) + sgn(z))]} dx / η,
-    ν = 1 + delta_nu ε (strength), η = 1 + delta_eta ε (stiffness), ε = ∫ z dx, counted where positive,
-    h = 1 − ζ1 exp(−((z sgn(dx) − q z_u) / ζ2)²), ζ1 = zeta_s (1 − exp(−p ε)), ζ2 = (psi + delta_psi ε)(lambda_ + ζ1),
-    z_u = (A / (ν (beta + gamma)))^(1/n). z and ε are 0 at the first sample; the memory of ε never fades. In Bouc-Wen's
-    terms spring = (offset, alpha·stiffness) and hysteretic = (1 − alpha)·stiffness.
+    ``y = Σ spring_k x^k + hysteretic·z``,
+    ``dz = h {A − ν |z|^n [beta sgn(dx z) + gamma + phi (sgn(dx) + sgn(z))]} dx / η``,
+    ``ν = 1 + delta_nu ε`` (strength), ``η = 1 + delta_eta ε`` (stiffness), ``ε = ∫ z dx``, counted where positive,
+    ``h = 1 − ζ1 exp(−((z sgn(dx) − q z_u) / ζ2)²)``, ``ζ1 = zeta_s (1 − exp(−p ε))``,
+    ``ζ2 = (psi + delta_psi ε)(lambda_ + ζ1)``, ``z_u = (A / (ν (beta + gamma)))^(1/n)``. z and ε are 0 at the first
+    sample; the memory of ε never fades. In Bouc-Wen's terms spring = (offset, alpha·stiffness) and
+    hysteretic = (1 − alpha)·stiffness.
 
     Parameters
     ----------
@@ -155,6 +156,8 @@ class BoucWenBaberNoori(HysteresisModel):
     seed : int
         Seed of the global search.
 
+    Notes
+    -----
     ``from_parameters`` takes ``spring`` (k,), coefficients in increasing powers, ``hysteretic``, ``A``, ``beta``,
     ``gamma``, ``n`` and optionally ``phi``, ``zeta_s``, ``q``, ``p``, ``psi``, ``delta_psi``, ``lambda_``, ``delta_nu``
     and ``delta_eta``; what is left out has no effect.
@@ -163,6 +166,10 @@ class BoucWenBaberNoori(HysteresisModel):
     id: ClassVar[str] = "bouc-wen-baber-noori"
     title: ClassVar[str] = "Bouc-Wen-Baber-Noori"
     summary: ClassVar[str] = "Bouc-Wen with asymmetry, pinching and degradation of strength and stiffness with energy"
+    use_for: ClassVar[str] = "joints, walls and connections that pinch, weaken or soften from cycle to cycle"
+    not_for: ClassVar[str] = (
+        "recordings of a few like cycles, which do not tell its parameters apart; and where loops must close"
+    )
     source: ClassVar[str] = "Baber & Noori 1986; Foliente 1995; Wang & Wen 2000"
     references: ClassVar[tuple[str, ...]] = ("baber-noori1986",)
     extended: ClassVar[bool] = True

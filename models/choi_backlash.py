@@ -169,6 +169,13 @@ class ChoiBacklash(HysteresisModel):
     id: ClassVar[str] = "choi-backlash"
     title: ClassVar[str] = "Choi backlash polynomial"
     summary: ClassVar[str] = "polynomial curves joined by transition lines; few parameters, clockwise loops"
+    use_for: ClassVar[str] = (
+        "series elastic actuators with backlash: few parameters, each of which can be read off the loop"
+    )
+    not_for: ClassVar[str] = (
+        "loops whose sides of zero differ in more than their polynomials (curves may jump at x = 0), and nested "
+        "minor loops"
+    )
     source: ClassVar[str] = "Choi et al. 2017, appendix 1, Eqs. 40-43"
     references: ClassVar[tuple[str, ...]] = ("choi2017",)
     search_grid: ClassVar[Mapping[str, Sequence[Any]]] = {"degree": (3, 5, 7)}

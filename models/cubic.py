@@ -83,6 +83,11 @@ class Cubic(HysteresisModel):
     summary: ClassVar[str] = (
         "one cubic polynomial per direction of motion; the baseline, no memory beyond the direction"
     )
+    use_for: ClassVar[str] = "a first look, and as the baseline that a model with memory must beat"
+    not_for: ClassVar[str] = (
+        "minor loops, or a motion that turns within the stroke: each reversal makes the output jump from one branch "
+        "to the other"
+    )
     source: ClassVar[str] = "Qin et al., section 4.2"
     references: ClassVar[tuple[str, ...]] = ("qin-maxwell-slip-vsa",)
     search_grid: ClassVar[Mapping[str, Sequence[Any]]] = {"branches": (2, 1)}

@@ -73,7 +73,7 @@ def _step(x, state, params, commit):
 
 
 class Dahl(HysteresisModel):
-    """Spring and Dahl friction: y = Σ spring_k x^k + F, dF/dx = stiffness |1 − F sgn(dx)/friction|^exponent.
+    """Spring and Dahl friction: ``y = Σ spring_k x^k + F``, ``dF/dx = stiffness |1 − F sgn(dx)/friction|^exponent``.
 
     F is 0 at the first sample. The integration is exact for any exponent and sampling.
 
@@ -84,6 +84,8 @@ class Dahl(HysteresisModel):
     starts, seed : int
         Points of the global search and its seed.
 
+    Notes
+    -----
     ``from_parameters`` takes ``stiffness`` (of the bristles, output per input), ``friction`` (the limit of F),
     ``exponent`` (at least 0) and optionally ``spring`` (k,), coefficients in increasing powers.
     """
@@ -92,6 +94,10 @@ class Dahl(HysteresisModel):
     title: ClassVar[str] = "Dahl friction"
     summary: ClassVar[str] = (
         "polynomial spring and Dahl's friction; smooth loops from three constants, rate-independent"
+    )
+    use_for: ClassVar[str] = "friction beside a spring, when three parameters should say how stiff and how strong it is"
+    not_for: ClassVar[str] = (
+        "rate-dependent friction, and memory of nested loops: only the state of one bristle is kept"
     )
     source: ClassVar[str] = "Dahl 1968, 1976"
     references: ClassVar[tuple[str, ...]] = ("dahl1976",)

@@ -76,9 +76,9 @@ def _lags(x, state, params, out):
 
 
 class Duhem(HysteresisModel):
-    """y = f(x) + w, dw = b(x) dx − rate w |dx|, with polynomials f and b; w is 0 at the first sample.
+    """``y = f(x) + w``, ``dw = b(x) dx − rate w |dx|``, with polynomials f and b; w is 0 at the first sample.
 
-    In Coleman and Hodgdon's terms dy = rate |dx| (f(x) − y) + g(x) dx with g = f' + b. Where b > 0 loops run clockwise
+    In Coleman and Hodgdon's terms ``dy = rate |dx| (f(x) − y) + g(x) dx`` with ``g = f' + b``. Where b > 0 loops run clockwise
     (they dissipate), where b < 0 counter-clockwise (magnets). The integration is exact whatever the sampling.
 
     Parameters
@@ -90,6 +90,8 @@ class Duhem(HysteresisModel):
     starts, seed : int
         Points of the global search and its seed.
 
+    Notes
+    -----
     ``from_parameters`` takes ``curve`` (k,) and ``loss`` (m,), coefficients of f and b in increasing powers, and
     ``rate`` (one over the distance after which a turn is forgotten).
     """
@@ -97,6 +99,10 @@ class Duhem(HysteresisModel):
     id: ClassVar[str] = "duhem"
     title: ClassVar[str] = "Duhem (Coleman-Hodgdon)"
     summary: ClassVar[str] = "relaxes towards a curve over the distance travelled; smooth loops of either orientation"
+    use_for: ClassVar[str] = (
+        "smooth loops of magnets and seals whose branches bend, from a short recording: it is quickly identified"
+    )
+    not_for: ClassVar[str] = "nested minor loops: it forgets turns exponentially and has no return-point memory"
     source: ClassVar[str] = "Coleman & Hodgdon 1986; Oh & Bernstein 2005"
     references: ClassVar[tuple[str, ...]] = ("oh-bernstein2005",)
     extended: ClassVar[bool] = True

@@ -58,6 +58,8 @@ class Elastic(HysteresisModel):
     geometry : tuple of float, optional
         (l1, l3, x0) in one unit of length, for an input in rad; with ``segments=1`` this is the law T = k h(θ) + b.
 
+    Notes
+    -----
     ``from_parameters`` takes ``vertices`` (m, 2), both columns increasing, and optionally ``geometry`` (3,).
     """
 
@@ -66,6 +68,10 @@ class Elastic(HysteresisModel):
     summary: ClassVar[str] = (
         "a rising curve without memory, or the VSA's elastic law; the baseline for hysteresis models"
     )
+    use_for: ClassVar[str] = (
+        "springs without noticeable hysteresis, and as the curve that every hysteresis model must beat"
+    )
+    not_for: ClassVar[str] = "loops of any width: it returns their middle"
     source: ClassVar[str] = "Qin et al., Eqs. 6 and A.4-A.12"
     references: ClassVar[tuple[str, ...]] = ("qin-maxwell-slip-vsa",)
     extended: ClassVar[bool] = True

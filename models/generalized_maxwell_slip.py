@@ -98,10 +98,10 @@ def _elements(x, dt, state, params, out):
 class GeneralizedMaxwellSlip(HysteresisModel):
     """Spring and generalized Maxwell-slip friction; rate-dependent, so it takes ``time``.
 
-    y = Σ spring_k x^k + Σ F_i + viscous v. Element i sticks, dF_i/dt = stiffness_i v, until F_i reaches strength_i s(v);
-    then it slips, dF_i/dt = sgn(v) attraction strength_i (1 − F_i / (strength_i s(v))), until v goes through zero, with
-    s(v) = sgn(v) [1 + (static_ratio − 1) exp(−(v / stribeck_speed)²)], v = dx/dt. All F_i are 0 at the first sample.
-    Between samples v is taken as constant; both laws are then integrated exactly.
+    ``y = Σ spring_k x^k + Σ F_i + viscous v``. Element i sticks, ``dF_i/dt = stiffness_i v``, until F_i reaches
+    strength_i s(v); then it slips, ``dF_i/dt = sgn(v) attraction strength_i (1 − F_i / (strength_i s(v)))``, until v
+    goes through zero, with ``s(v) = sgn(v) [1 + (static_ratio − 1) exp(−(v / stribeck_speed)²)]``, v = dx/dt. All F_i
+    are 0 at the first sample. Between samples v is taken as constant; both laws are then integrated exactly.
 
     Parameters
     ----------
@@ -113,6 +113,8 @@ class GeneralizedMaxwellSlip(HysteresisModel):
     starts, seed : int
         Points of the global search and its seed.
 
+    Notes
+    -----
     ``from_parameters`` takes ``stiffness`` (N,), ``strength`` (N,) (Coulomb friction of each element), ``static_ratio``,
     ``stribeck_speed``, ``attraction`` (1/s), ``viscous`` and optionally ``spring`` (k,), coefficients in increasing powers.
     """
@@ -120,6 +122,14 @@ class GeneralizedMaxwellSlip(HysteresisModel):
     id: ClassVar[str] = "generalized-maxwell-slip"
     title: ClassVar[str] = "Generalized Maxwell-slip"
     summary: ClassVar[str] = "polynomial spring and parallel stick-slip elements with frictional lag; rate-dependent"
+    use_for: ClassVar[str] = (
+        "friction with presliding memory and stick-slip beside a spring, when both nested loops and several speeds "
+        "were recorded"
+    )
+    not_for: ClassVar[str] = (
+        "recordings without slow motion, which do not show the elements' break-away, and control that needs an "
+        "inverse in closed form"
+    )
     source: ClassVar[str] = "Al-Bender et al. 2005"
     references: ClassVar[tuple[str, ...]] = ("al-bender2005",)
     rate_independent: ClassVar[bool] = False

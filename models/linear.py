@@ -33,6 +33,8 @@ class Linear(HysteresisModel):
     id: ClassVar[str] = "linear"
     title: ClassVar[str] = "Linear spring"
     summary: ClassVar[str] = "y = k x + b, no memory; what every other model must beat"
+    use_for: ClassVar[str] = "the stiffness at a glance, and as the baseline of baselines"
+    not_for: ClassVar[str] = "anything that bends or loops"
     source: ClassVar[str] = "Hooke's law; Choi et al. 2017, Eq. 40"
     references: ClassVar[tuple[str, ...]] = ("choi2017",)
     extended: ClassVar[bool] = True

@@ -82,8 +82,8 @@ def _states(x, dt, state, params, out):
 class LuGre(HysteresisModel):
     """Spring and LuGre friction; rate-dependent, so it takes ``time``.
 
-    y = Σ spring_k x^k + stiffness z + damping dz/dt + viscous v, dz/dt = v − stiffness |v| z / g(v),
-    g(v) = coulomb + (static − coulomb) exp(−(v / stribeck_speed)²), v = dx/dt; z is 0 at the first sample. Between
+    ``y = Σ spring_k x^k + stiffness z + damping dz/dt + viscous v``, ``dz/dt = v − stiffness |v| z / g(v)``,
+    ``g(v) = coulomb + (static − coulomb) exp(−(v / stribeck_speed)²)``, v = dx/dt; z is 0 at the first sample. Between
     samples v is taken as constant, for which the integration is exact.
 
     Parameters
@@ -93,6 +93,8 @@ class LuGre(HysteresisModel):
     starts, seed : int
         Points of the global search and its seed.
 
+    Notes
+    -----
     ``from_parameters`` takes ``stiffness``, ``damping``, ``viscous``, ``coulomb``, ``static``, ``stribeck_speed`` and
     optionally ``spring`` (k,), coefficients in increasing powers. Without ``time`` samples are 1 s apart.
     """
@@ -100,6 +102,14 @@ class LuGre(HysteresisModel):
     id: ClassVar[str] = "lugre"
     title: ClassVar[str] = "LuGre friction"
     summary: ClassVar[str] = "polynomial spring and bristle friction with Stribeck and viscous parts; rate-dependent"
+    use_for: ClassVar[str] = (
+        "friction that depends on speed, with a Stribeck fall and a viscous rise, when the recording covers several "
+        "speeds"
+    )
+    not_for: ClassVar[str] = (
+        "recordings at one speed, which do not determine its parameters, and quasi-static loops: dahl says the same "
+        "with fewer"
+    )
     source: ClassVar[str] = "Canudas de Wit et al. 1995"
     references: ClassVar[tuple[str, ...]] = ("canudas1995",)
     rate_independent: ClassVar[bool] = False

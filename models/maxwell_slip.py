@@ -351,6 +351,14 @@ class MaxwellSlip(HysteresisModel):
     id: ClassVar[str] = "maxwell-slip"
     title: ClassVar[str] = "Maxwell-slip with virtual deformation"
     summary: ClassVar[str] = "the proposed model: polyline curves, Maxwell-slip transitions, exact inverse"
+    use_for: ClassVar[str] = (
+        "compliant joints whose measured loop has bends and different branches, with minor loops, where an exact "
+        "inverse is needed for torque control"
+    )
+    not_for: ClassVar[str] = (
+        "loops whose branches cross or bend back (it can only rise), force that follows speed, and a major loop "
+        "that was never recorded: branches are read from it"
+    )
     source: ClassVar[str] = "Qin et al., Eqs. 2-17 and section 5"
     references: ClassVar[tuple[str, ...]] = ("qin-maxwell-slip-vsa",)
     search_grid: ClassVar[Mapping[str, Sequence[Any]]] = {"vertices": (4, 6, 8), "elements": (2, 4)}

@@ -53,7 +53,7 @@ def _map(h, edges, values, out):
 
 
 class ModifiedPrandtlIshlinskii(HysteresisModel):
-    """Play operators and dead zones in series: y = offset + Σ v_j S_{s_j}(h), h = Σ w_i P_{r_i}[x].
+    """Play operators and dead zones in series: ``y = offset + Σ v_j S_{s_j}(h)``, ``h = Σ w_i P_{r_i}[x]``.
 
     P_r is the play operator as in ``prandtl-ishlinskii``. S_s is the one-sided dead zone: S_s(h) = max(h − s, 0) for
     s > 0, min(h − s, 0) for s < 0, and h for s = 0. The dead zones make the loop asymmetric and let it stiffen or
@@ -69,6 +69,8 @@ class ModifiedPrandtlIshlinskii(HysteresisModel):
     least_slope : float
         Smallest partial sum, as a fraction of the mean slope.
 
+    Notes
+    -----
     ``from_parameters`` takes ``weights`` (N,), ``thresholds`` (N,) increasing from 0, ``dead_zone_weights`` (M,),
     ``dead_zone_thresholds`` (M,) increasing with 0 among them, and optionally ``offset``.
     """
@@ -77,6 +79,12 @@ class ModifiedPrandtlIshlinskii(HysteresisModel):
     title: ClassVar[str] = "Modified Prandtl-Ishlinskii"
     summary: ClassVar[str] = (
         "play operators and dead zones in series, closed-form inverse; asymmetric and stiffening loops"
+    )
+    use_for: ClassVar[str] = (
+        "asymmetric, stiffening or saturating loops with memory that still need an inverse in closed form"
+    )
+    not_for: ClassVar[str] = (
+        "loops that change their shape with position (not only their slope), and rate-dependent force"
     )
     source: ClassVar[str] = "Kuhnen 2003"
     references: ClassVar[tuple[str, ...]] = ("kuhnen2003",)

@@ -134,6 +134,11 @@ class PrandtlIshlinskii(HysteresisModel):
     id: ClassVar[str] = "prandtl-ishlinskii"
     title: ClassVar[str] = "Prandtl-Ishlinskii"
     summary: ClassVar[str] = "weighted play operators, closed-form inverse; symmetric loops of either orientation"
+    use_for: ClassVar[str] = (
+        "symmetric loops with memory (piezo stages, gears, springs with friction), when an inverse in closed form "
+        "must run in a controller"
+    )
+    not_for: ClassVar[str] = "loops that are asymmetric, stiffen or saturate: use modified-prandtl-ishlinskii there"
     source: ClassVar[str] = "Kuhnen & Janocha 2001; Krejci & Kuhnen 2001"
     references: ClassVar[tuple[str, ...]] = ("krejci-kuhnen2001",)
     search_grid: ClassVar[Mapping[str, Sequence[Any]]] = {"operators": (10, 20, 40, 80)}
@@ -162,8 +167,8 @@ class PrandtlIshlinskii(HysteresisModel):
             rows = reduced(
                 np.column_stack([plays, np.ones(y.size), y]) for _, plays, y in self._settled(runs, thresholds)
             )
-            solution = np.linalg.lstsq(rows[:, :-1], rows[:, -1], rcond=1e-10)[0]
-            return solution[:-1], float(solution[-1])
+            free: Floats = np.asarray(np.linalg.lstsq(rows[:, :-1], rows[:, -1], rcond=1e-10)[0], dtype=np.float64)
+            return free[:-1], float(free[-1])
         floor = 0.0
         if self.weights == "invertible":
             # Relative to the loop's mean slope.

@@ -232,6 +232,14 @@ class Preisach(HysteresisModel):
     summary: ClassVar[str] = (
         "relays over a triangle of thresholds; any loop shape with wiping-out and congruent minor loops"
     )
+    use_for: ClassVar[str] = (
+        "loops of any shape with true memory (magnets, piezo stages), when the recording holds many minor loops to "
+        "learn from"
+    )
+    not_for: ClassVar[str] = (
+        "short recordings (the unknowns grow with the square of the levels), and control that needs an inverse in "
+        "closed form"
+    )
     source: ClassVar[str] = "Mayergoyz 1991"
     references: ClassVar[tuple[str, ...]] = ("mayergoyz1991",)
     search_grid: ClassVar[Mapping[str, Sequence[Any]]] = {"levels": (12, 24, 36)}
