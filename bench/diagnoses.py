@@ -19,7 +19,7 @@ from .cells import MEMORY_LIMIT, data_hash, fitted_on, load_unchanged, model_ide
 from .results import plain
 from .session import session_id
 
-__all__ = ["SEED", "DiagnosisSpec", "best_models", "diagnosis_specs", "write_diagnoses"]
+__all__ = ["SEED", "DiagnosisSpec", "best_models", "diagnosis_specs", "read_diagnoses", "write_diagnoses"]
 
 SCHEMA = "hystbench/diagnoses/1"
 SEED = 0
@@ -129,6 +129,17 @@ def write_diagnoses(path: Path, cells: Iterable[Mapping[str, Any]]) -> None:
     ordered = sorted(cells, key=lambda cell: (cell["dataset"], cell["model"]))
     document = {"schema": SCHEMA, "seed": SEED, "diagnoses": [_entry(cell) for cell in ordered]}
     write_text(path, json.dumps(plain(document), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def read_diagnoses(folder: Path) -> list[dict[str, Any]]:
+    """The diagnoses of a run folder; none if there is no file of them that can be read."""
+    try:
+        document = json.loads((folder / "diagnoses.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return []
+    if not isinstance(document, dict) or document.get("schema") != SCHEMA:
+        return []
+    return list(document["diagnoses"])
 
 
 def _entry(cell: Mapping[str, Any]) -> dict[str, Any]:

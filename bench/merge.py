@@ -11,11 +11,14 @@ from typing import Any
 from ..errors import InputError
 from ..files import replacing, write_text
 from ..reports.run_directory import RunDirectory, read_run
-from .results import plain, read_document, write_results
+from .diagnoses import write_diagnoses
+from .results import plain, read_cells, read_document, write_results
 
 __all__ = ["merge"]
 
 IDENTITY = ("model", "dataset", "condition", "seed")
+EXTENTS = ("none", "best", "all")
+"""How much was diagnosed, from least to most."""
 
 
 def merge(folders: Sequence[Path], out: Path) -> Path:
@@ -53,19 +56,37 @@ def merge(folders: Sequence[Path], out: Path) -> Path:
                 )
             if _failed(first) and not _failed(cell):
                 chosen[identity] = run, cell
-    cells = out / "cells"
-    shutil.rmtree(cells, ignore_errors=True)
-    cells.mkdir(parents=True)
+    for name in ("cells", "diagnoses"):
+        shutil.rmtree(out / name, ignore_errors=True)
+        (out / name).mkdir(parents=True)
     for run, cell in chosen.values():
-        for suffix in (".json", ".npz"):
-            source = run.path / "cells" / f"{cell['key']}{suffix}"
-            if source.exists():
-                with replacing(cells / source.name) as temporary:
-                    shutil.copyfile(source, temporary)
+        _copy(run.path / "cells", cell["key"], out / "cells")
     write_results(out / "results.parquet", [cell for _, cell in chosen.values()])
+    write_diagnoses(out / "diagnoses.json", _diagnoses(folders, out / "diagnoses"))
     document = _document(runs, folders, [cell for _, cell in chosen.values()])
     write_text(out / "run.json", json.dumps(plain(document), indent=1, allow_nan=False) + "\n")
     return out
+
+
+def _copy(source: Path, key: str, target: Path) -> None:
+    for suffix in (".json", ".npz"):
+        file = source / f"{key}{suffix}"
+        if file.exists():
+            with replacing(target / file.name) as temporary:
+                shutil.copyfile(file, temporary)
+
+
+def _diagnoses(folders: Sequence[Path], target: Path) -> list[dict[str, Any]]:
+    """Copy the diagnoses that the folders hold, of each model and dataset one that succeeded if any did."""
+    chosen: dict[tuple[Any, ...], tuple[Path, dict[str, Any]]] = {}
+    for folder in folders:
+        for cell in read_cells(folder / "diagnoses").values():
+            identity = tuple(cell[name] for name in IDENTITY)
+            if identity not in chosen or (_failed(chosen[identity][1]) and not _failed(cell)):
+                chosen[identity] = folder / "diagnoses", cell
+    for source, cell in chosen.values():
+        _copy(source, cell["key"], target)
+    return [cell for _, cell in chosen.values()]
 
 
 def _is_empty_part(folder: Path) -> bool:
@@ -98,6 +119,7 @@ def _document(runs: Sequence[RunDirectory], folders: Sequence[Path], cells: Sequ
         "elapsed_s": sum(document.get("elapsed_s") or 0.0 for document in documents),
         "skipped": list(skipped.values()),
         "part": None,
+        "diagnosed": max((str(document.get("diagnosed", "none")) for document in documents), key=EXTENTS.index),
         "parts_absent": [f"{i}/{of}" for i in absent],
         "cells": sorted(expected | held),
         "cells_total": len(expected | held),

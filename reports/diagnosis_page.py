@@ -1,4 +1,4 @@
-"""The pages of ``hystbench diagnose`` and ``hystbench blind``: one self-contained file each."""
+"""The page of ``hystbench diagnose``: one self-contained file."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .svg import canvas as _figure
 from .svg import extremes as _extremes
 from .svg import svg as _svg
 
-__all__ = ["write_blind", "write_diagnosis"]
+__all__ = ["write_diagnosis"]
 
 UNITS = {
     "time": "s", "position": "rad", "direction": "", "speed": "rad/s", "acceleration": "rad/s²",
@@ -88,25 +88,6 @@ def write_diagnosis(
     )  # fmt: skip
     write_text(out / "diagnosis.html", page)
     return found
-
-
-def write_blind(scores: dict[str, Any], rows: Sequence[dict[str, Any]], out: Path) -> Path:
-    """Write ``out/blind.html`` and return its path."""
-    page = _environment().get_template("blind.html.j2").render(
-        version=__version__,
-        **{key: scores[key] for key in ("run", "all", "calibration", "coordinate", "closed", "seconds")},
-        groups=list(scores["groups"].items()),
-        confusion=[
-            (name.replace("_", " "), scores["effects"][name],
-             "; ".join(f"{verdict.replace('_', ' ')} {count}" for verdict, count in sorted(row.items(), key=lambda i: -i[1])))
-            for name, row in scores["confusion"].items()
-        ],
-        reliability=_reliability(scores["calibration"]["bins"]),
-        wrong=[row for row in rows if not row["right"]],
-    )  # fmt: skip
-    target = out / "blind.html"
-    write_text(target, page)
-    return target
 
 
 def _environment() -> Environment:
@@ -185,18 +166,3 @@ def _closing_figures(found: Diagnosis) -> list[dict[str, Any]]:
         made.append({"svg": Markup(_svg(figure, "waterfall", "Gap after each effect")),
                      "caption": "The gap after each effect, in the order in which they close most."})  # fmt: skip
     return made
-
-
-def _reliability(bins: Sequence[dict[str, float]]) -> Markup:
-    with mpl.rc_context(STYLE):
-        figure, axes = _figure(4.6, 3.6, 1, 1)
-        axis = axes[0, 0]
-        axis.plot([0, 1], [0, 1], color=MEASURED, linewidth=0.8)
-        for b in bins:
-            axis.plot([b["stated"]] * 2, [b["low"], b["high"]], color=COLOURS[0], linewidth=0.8)
-        axis.plot([b["stated"] for b in bins], [b["right"] for b in bins], color=COLOURS[0], marker="o", linestyle="")
-        axis.set_xlabel("stated confidence")
-        axis.set_ylabel("frequency right")
-        axis.set_xlim(0, 1.02)
-        axis.set_ylim(0, 1.02)
-        return Markup(_svg(figure, "reliability", "Frequency right against stated confidence"))

@@ -66,6 +66,8 @@ def _tables(run: RunDirectory) -> dict[str, Table]:
             found[f"conditions {name}"] = conditions
     found["noise"] = tables.reversal_table(run)
     found["compensation"] = tables.compensation_table(run)
+    if (diagnosed := tables.diagnosis_table(run)) is not None:
+        found["diagnoses"] = diagnosed
     found["time"] = tables.timing_table(run)
     return found
 

@@ -62,7 +62,7 @@ def _context(run: RunDirectory) -> dict[str, Any]:
     if not document.get("finished", True) or done < total:
         earlier = document.get("cells_earlier", 0)
         kept = f", {earlier} stand as an earlier run left them" if earlier else ""
-        told.append(f"{done} of {total} cells are finished{kept}")
+        told.append(f"{done} of {total} cells are finished{kept}" if done < total else "its diagnoses are not finished")
     if part:
         told.append(f"it is part {part[0]} of {part[1]}; `hystbench report` merges the parts")
     if absent:
@@ -84,6 +84,8 @@ def _context(run: RunDirectory) -> dict[str, Any]:
         "noise_figure": _figure(makers, "noise study"),
         "reversals": tables.reversal_table(run),
         "compensation": tables.compensation_table(run),
+        "diagnoses": tables.diagnosis_table(run),
+        "diagnosed": document.get("diagnosed", "none"),
         "timing": tables.timing_table(run),
         "fits": [_fit(run, name) for name in run.models],
         "statuses": [(name, int(count)) for name, count in sorted(status.items())],
@@ -153,12 +155,20 @@ def _dataset(run: RunDirectory, name: str, makers: dict[str, Callable[[], Drawin
         "condition": run.reference_condition(name),
         "table": tables.dataset_table(run, name),
         "recordings": tables.recording_table(run, name),
+        "diagnosis": tables.diagnosis_table(run, name),
+        "causes": _known_causes(run, name),
         "conditions": tables.condition_table(run, name),
         "reversals": tables.reversal_table(run, [name]),
         "loops": _figure(makers, f"loops {name}"),
         "errors": _figure(makers, f"errors {name}"),
         "hash": run.document.get("data", {}).get(name, {}).get("sha256", ""),
     }
+
+
+def _known_causes(run: RunDirectory, dataset: str) -> list[str]:
+    """Why the cause of a gap is known, each reason once."""
+    entries = [entry["known_cause"] for entry in run.diagnoses if entry["dataset"] == dataset and entry["known_cause"]]
+    return list(dict.fromkeys(f"{tables.words(known['effects'])}: {known['reason']}" for known in entries))
 
 
 def _fit(run: RunDirectory, model: str) -> dict[str, Any]:

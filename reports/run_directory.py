@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from ..bench.diagnoses import read_diagnoses
 from ..bench.results import read_cells, read_results, table_of
 from ..errors import InputError
 
@@ -40,6 +41,8 @@ class RunDirectory:
     table: pd.DataFrame
     cells: dict[str, dict[str, Any]]
     document: dict[str, Any]
+    diagnoses: list[dict[str, Any]] = field(default_factory=list)
+    """What models lack, as diagnoses.json tells it."""
 
     @cached_property
     def models(self) -> list[str]:
@@ -128,4 +131,4 @@ def read_run(path: Path) -> RunDirectory:
         cells = {key: cell for key, cell in cells.items() if tuple(cell[column] for column in IDENTITY) in known}
     if table.empty:
         raise InputError(f"{path}: the run finished no cell, so there is nothing to report; run `hystbench run` again")
-    return RunDirectory(path, table, cells, document)
+    return RunDirectory(path, table, cells, document, read_diagnoses(path))

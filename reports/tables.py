@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -20,6 +21,7 @@ __all__ = [
     "compensation_table",
     "condition_table",
     "dataset_table",
+    "diagnosis_table",
     "headline_table",
     "number",
     "order_statement",
@@ -27,6 +29,7 @@ __all__ = [
     "recording_table",
     "reversal_table",
     "timing_table",
+    "words",
 ]
 
 TASK_TITLES = {"forward": "Torque error", "inverse": "Inverse error", "compensation": "Compensation error"}
@@ -341,6 +344,65 @@ def compensation_table(run: RunDirectory) -> Table:
         [first, *_mark_best(_model_rows(run, cells), range(1, 2 * len(wanted) + 1, 2))],
         groups=(("", 1), *((f"{d} ({run.reference_condition(d)})", 2) for d in wanted)),
     )
+
+
+def diagnosis_table(run: RunDirectory, only: str | None = None) -> Table | None:
+    """What each model lacks on the recorded datasets (or one of them); None where nothing was diagnosed."""
+    entries = [
+        entry for entry in run.diagnoses if only in (None, entry["dataset"]) and entry["dataset"] in run.datasets
+    ]
+    if not entries:
+        return None
+    entries = [e for d in run.datasets for m in run.models for e in entries if (e["dataset"], e["model"]) == (d, m)]
+    rows = []
+    for entry in entries:
+        title = run.model_title(entry["model"])
+        place = [] if only else [Cell(entry["dataset"], sort=entry["dataset"])]
+        rows.append([Cell(title, sort=title), *place, *_diagnosis_cells(entry)])
+    where = [] if only else ["Dataset"]
+    return Table(
+        "Diagnosis of each model's error on the test recordings"
+        + (f" of {only}" if only else "")
+        + "; closed: the share of the squared error beyond the noise that the verdict explains on samples not fitted",
+        ["Model", *where, "Lacks", "Confidence", "Closed", "Where", "RMSE (noise)", "Known cause", "Agrees"],
+        rows,
+    )
+
+
+def _diagnosis_cells(entry: dict[str, Any]) -> list[Cell]:
+    found, known = entry["diagnosis"], entry["known_cause"]
+    cause = Cell(words(known["effects"]), sort=words(known["effects"])) if known else Cell("–", sort="", muted=True)
+    if found is None:
+        blank = [Cell("–", muted=True)] * 4
+        return [Cell(str(entry["status"]), sort="", muted=True, note=str(entry["message"])), *blank, cause, blank[0]]
+    verdict, gap = found["verdict"], found["gap"]
+    lacks = words(verdict) if verdict else "nothing beyond the noise"
+    where = Cell("–", sort="", muted=True)
+    if found["where"]:
+        first = found["where"][0]
+        low, high = (number(v) for v in first["range"])
+        # Further coordinates are the recording's own channels, which keep their names.
+        name = first["coordinate"].replace("distance_since_reversal", "distance since reversal")
+        text = f"{name} {first['share']:.0%}, {low} to {high}"
+        where = Cell(text, sort=text)
+    agrees = Cell("–", sort="", muted=True)
+    if known:
+        answer = "yes" if known["agrees"] else "no"
+        agrees = Cell(answer, sort=answer)
+    return [
+        Cell(lacks, sort=lacks),
+        Cell(f"{found['confidence']:.0%}", sort=found["confidence"]),
+        Cell(f"{found['closed']:.0%}", sort=found["closed"]) if verdict else Cell("–", muted=True),
+        where,
+        Cell(f"{number(gap['rmse'])} ({number(gap['noise_floor'], 2)}) {gap['unit']}", sort=gap["rmse"]),
+        cause,
+        agrees,
+    ]
+
+
+def words(names: Sequence[str]) -> str:
+    """Ids of effects or coordinates for people."""
+    return ", ".join(name.replace("_", " ") for name in names)
 
 
 def timing_table(run: RunDirectory) -> Table:
