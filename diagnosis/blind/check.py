@@ -6,7 +6,8 @@ import hashlib
 import json
 import os
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,15 +20,45 @@ from rich.progress import Progress
 from ...datasets.recording_files import DEFAULT_TIME, DEFAULT_X, DEFAULT_Y, write_recording
 from ...errors import InputError
 from ...files import replacing, write_text
-from .cases import TEST_PLANTS, bank, group
-from .plants import OUTSIDE, Case, make
+from ..diagnosis import Diagnosis, diagnose
+from ..excitation import design_next
+from ..heldout import closed_share
+from ..inputs import read_inputs
+from ..signals import Signals
+from .baselines import by_correlation, by_fit
+from .carry_over import found_closed, named_effects, predicted_closed, signal_on
+from .cases import SINE, TEST_PLANTS, USUAL, available, bank, group, outside_of, quick_part
+from .cost import LENGTHS, growth, measure
+from .motions import MOTIONS
+from .plant import Case, Made, Plant
+from .plants import joint_of, plant_of
 from .scoring import is_right, score
 
-__all__ = ["FIRST_SEED", "check", "diagnose_blind", "seal"]
+__all__ = ["FIRST_SEED", "Laboratory", "check", "diagnose_blind", "examine", "lines", "seal", "unseal"]
 
 FIRST_SEED = 90_000
 """Seeds of the test bank; the development bank used seeds below 10,000."""
-QUICK_EVERY = 6
+SECONDS, RATE = 45.0, 100.0
+
+
+@dataclass(frozen=True)
+class Laboratory:
+    """Where further recordings of a sealed plant are made on request; it tells nothing but the recording."""
+
+    case: Case
+    sizes: Mapping[str, float]
+    noise: float
+
+    def record(self, time: np.ndarray, x: np.ndarray, request: int) -> Made:
+        """Drive the case's plant along another motion; ``request`` numbers the requests (its noise is another)."""
+        joint, _, _ = joint_of(self.case, SECONDS, RATE)
+        return Plant(joint, self.sizes, self.noise).record(time, x, np.random.default_rng([self.case.seed, 3, request]))
+
+    def other_motion(self) -> tuple[np.ndarray, np.ndarray]:
+        """A motion of another kind than the case's."""
+        joint, _, _ = joint_of(self.case, SECONDS, RATE)
+        other = next(kind for kind in USUAL if kind != self.case.motion)
+        return MOTIONS[other](np.random.default_rng([self.case.seed, 4]), joint.reach, SECONDS, RATE)
 
 
 def check(out: Path, seeds: int = 1, jobs: int | None = None, quick: bool = False) -> list[str]:
@@ -45,56 +76,75 @@ def check(out: Path, seeds: int = 1, jobs: int | None = None, quick: bool = Fals
         raise InputError(f"--out {out} is a file; name a folder")
     workers = jobs or os.cpu_count() or 1
     began = time.perf_counter()
-    cases = bank(TEST_PLANTS, seeds, FIRST_SEED, QUICK_EVERY if quick else 1)
-    tasks = seal(cases, out, workers)
+    names = available()
+    cases = bank(names, seeds, FIRST_SEED)
+    if quick:
+        cases = quick_part(cases)
+    tasks, laboratories = seal(cases, out, workers)
     verdicts = []
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
         bar = progress.add_task("diagnoses", total=len(tasks))
         for record in Parallel(n_jobs=workers, return_as="generator")(
-            delayed(diagnose_blind)(out, task) for task in tasks
+            delayed(examine)(out, task, laboratories[task["id"]]) for task in tasks
         ):
             verdicts.append(record)
             progress.advance(bar)
     write_text(out / "verdicts.json", json.dumps(verdicts, indent=1) + "\n")
+    costs = [measure(samples) for samples in LENGTHS]
     labels = unseal(out)
-    scores = score(verdicts, labels)
+    scores = score(verdicts, labels, {"by_length": costs, "exponent": growth(costs)})
     scores["run"] = {
-        "seeds": seeds, "first_seed": FIRST_SEED, "quick": quick, "plants": list(TEST_PLANTS), "elapsed_s": time.perf_counter() - began,
+        "seeds": seeds, "first_seed": FIRST_SEED, "quick": quick, "plants": list(names),
+        "left_out": [name for name in TEST_PLANTS if name not in names], "elapsed_s": time.perf_counter() - began,
         "cases": len(cases), "sealed": json.loads((out / "seal.json").read_text(encoding="utf-8"))["sha256"],
     }  # fmt: skip
     write_text(out / "scores.json", json.dumps(scores, indent=1) + "\n")
-    rows = [
-        {**{k: labels[r["id"]][k] for k in ("plant", "group", "ratio", "base_error", "motion", "seed", "oracle_closed")},
-         "truth": " + ".join(labels[r["id"]]["truth"]), "verdict": " + ".join(r["verdict"]),
-         "right": is_right(r["verdict"], labels[r["id"]]),
-         **{k: r[k] for k in ("id", "confidence", "closed", "where", "baseline_fit", "baseline_correlation", "seconds")},
-         "ambiguous": "; ".join(" / ".join(pair) for pair in r["ambiguous"])}
-        for r in verdicts
-    ]  # fmt: skip
+    rows = [_row(record, labels[record["id"]]) for record in verdicts]
     with replacing(out / "cases.csv") as temporary:
         pd.DataFrame(rows).to_csv(temporary, index=False)
-    from ...reports.diagnosis_page import write_blind
+    from ...reports.blind_page import write_blind
 
     page = write_blind(scores, rows, out)
     return [*lines(scores), str(page)]
 
 
-def seal(cases: Sequence[Case], out: Path, workers: int) -> list[dict[str, Any]]:
-    """Write recordings, tasks and sealed labels; return the tasks, shuffled so that their order tells nothing."""
+def _row(record: Mapping[str, Any], label: Mapping[str, Any]) -> dict[str, Any]:
+    """A line of ``cases.csv``."""
+    again, carried = record["again"] or {}, record["carried"] or {}
+    return {
+        **{k: label[k] for k in ("plant", "group", "ratio", "base_error", "motion", "seed", "oracle_closed")},
+        "truth": " + ".join(label["truth"]), "effects": " + ".join(label["effects"]),
+        "verdict": " + ".join(record["verdict"]), "right": is_right(record["verdict"], label),
+        **{k: record[k] for k in ("id", "confidence", "closed", "where", "baseline_fit", "baseline_correlation", "seconds")},
+        "ambiguous": _pairs(record["ambiguous"]), "next_settles": _pairs(record["next_settles"]),
+        "verdict_again": " + ".join(again.get("verdict", [])), "ambiguous_again": _pairs(again.get("ambiguous", [])),
+        "closed_predicted": carried.get("predicted"), "closed_found": carried.get("found"),
+    }  # fmt: skip
+
+
+def _pairs(pairs: Sequence[Sequence[str]]) -> str:
+    return "; ".join(" / ".join(pair) for pair in pairs)
+
+
+def seal(cases: Sequence[Case], out: Path, workers: int) -> tuple[list[dict[str, Any]], dict[str, Laboratory]]:
+    """Write recordings, tasks and sealed labels.
+
+    Returns the tasks, shuffled so that their order tells nothing, and by their ids the laboratories that record more.
+    """
     out.mkdir(parents=True, exist_ok=True)
     order = np.random.default_rng(FIRST_SEED).permutation(len(cases))
     names = [f"{k:04d}" for k in range(len(cases))]
     made = Parallel(n_jobs=workers)(
         delayed(_write_case)(cases[k], out, name) for k, name in zip(order, names, strict=True)
     )
-    labels = {label["id"]: label for label, _ in made}
+    labels = {label["id"]: label for label, _, _ in made}
     text = json.dumps(labels, indent=1, sort_keys=True) + "\n"
     write_text(out / "labels.json", text)
     write_text(out / "seal.json", json.dumps({"sha256": hashlib.sha256(text.encode()).hexdigest()}) + "\n")
-    tasks = [task for _, task in made]
+    tasks = [task for _, task, _ in made]
     write_text(out / "tasks.json", json.dumps(tasks, indent=1) + "\n")
-    return tasks
+    return tasks, {task["id"]: laboratory for _, task, laboratory in made}
 
 
 def unseal(out: Path) -> dict[str, Any]:
@@ -106,13 +156,20 @@ def unseal(out: Path) -> dict[str, Any]:
     return json.loads(text)
 
 
-def _write_case(case: Case, out: Path, name: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    made = make(case)
+def _write_recording(out: Path, name: str, made: Made) -> tuple[str, str]:
+    """Write what was recorded and what the simulator says; return the two files' names in ``out``."""
     real, sim = f"recordings/{name}-real.parquet", f"recordings/{name}-sim.parquet"
     (out / "recordings").mkdir(exist_ok=True)
     for file, y in ((real, made.y_real), (sim, made.y_sim)):
         write_recording(out / file, {DEFAULT_TIME: made.time, DEFAULT_X: made.x, DEFAULT_Y: y})
-    hidden = set(case.effects) & (set(case.excluded) | set(OUTSIDE))
+    return real, sim
+
+
+def _write_case(case: Case, out: Path, name: str) -> tuple[dict[str, Any], dict[str, Any], Laboratory]:
+    plant, time_s, x = plant_of(case, SECONDS, RATE)
+    made = plant.record(time_s, x, np.random.default_rng([case.seed, 3]))
+    real, sim = _write_recording(out, name, made)
+    hidden = set(case.effects) & {*case.excluded, *outside_of(case.plant)}
     label = {
         "id": name,
         "plant": case.plant,
@@ -125,16 +182,30 @@ def _write_case(case: Case, out: Path, name: str) -> tuple[dict[str, Any], dict[
         "seed": case.seed,
         "oracle_closed": made.oracle_closed,
     }
-    return label, {"id": name, "real": real, "sim": sim, "exclude": list(case.excluded)}
+    task = {"id": name, "real": real, "sim": sim, "exclude": list(case.excluded)}
+    return label, task, Laboratory(case, plant.sizes, plant.noise)
 
 
-def diagnose_blind(out: Path, task: dict[str, Any]) -> dict[str, Any]:
+def examine(out: Path, task: Mapping[str, Any], laboratory: Laboratory) -> dict[str, Any]:
+    """Diagnose a sealed recording; then record what the diagnosis asks for, and see whether it keeps its word.
+
+    Where effects stay ambiguous, the designed motion is recorded and both recordings are diagnosed together. Where
+    effects are named, what they close on another kind of motion is predicted, recorded and compared.
+    """
+    record, found = diagnose_blind(out, task)
+    record |= {"next_settles": [], "again": None, "carried": None}
+    following = out / "recordings" / f"{task['id']}-next.csv"
+    designed = design_next(found, following)
+    if designed is not None:
+        record["next_settles"] = designed["settles"]
+        record["again"] = _diagnose_again(out, task, laboratory, following)
+    if named_effects(found) and laboratory.case.motion != SINE:
+        record["carried"] = _carry_over(found, laboratory)
+    return record
+
+
+def diagnose_blind(out: Path, task: Mapping[str, Any]) -> tuple[dict[str, Any], Diagnosis]:
     """Diagnose one sealed recording as a user would: from its two files."""
-    from ..diagnosis import diagnose
-    from ..heldout import closed_share
-    from ..inputs import read_inputs
-    from .baselines import by_correlation, by_fit
-
     signals, _ = read_inputs([out / task["real"]], [out / task["sim"]])
     began = time.perf_counter()
     found = diagnose(signals, exclude=task["exclude"])
@@ -149,26 +220,43 @@ def diagnose_blind(out: Path, task: dict[str, Any]) -> dict[str, Any]:
         "baseline_fit": by_fit(found.evidence, task["exclude"]),
         "baseline_correlation": by_correlation(found.evidence, task["exclude"]),
         "seconds": seconds,
-    }
+    }, found
 
 
-def lines(scores: dict[str, Any]) -> list[str]:
+def _diagnose_again(out: Path, task: Mapping[str, Any], laboratory: Laboratory, motion: Path) -> dict[str, Any]:
+    planned = pd.read_csv(motion)
+    made = laboratory.record(planned[DEFAULT_TIME].to_numpy(), planned[DEFAULT_X].to_numpy(), 1)
+    real, sim = _write_recording(out, f"{task['id']}-next", made)
+    signals, _ = read_inputs([out / task["real"], out / real], [out / task["sim"], out / sim])
+    found = diagnose(signals, exclude=task["exclude"])
+    return {"verdict": found.verdict, "confidence": found.confidence, "ambiguous": found.ambiguous}
+
+
+def _carry_over(found: Diagnosis, laboratory: Laboratory) -> dict[str, float]:
+    made = laboratory.record(*laboratory.other_motion(), 2)
+    signal = signal_on(found, made.time, made.x, made.y_sim)
+    recorded = Signals(made.time, made.x, made.y_real, made.y_sim, [slice(0, made.x.size)], {})
+    return {"predicted": predicted_closed(found, signal), "found": found_closed(recorded, signal)}
+
+
+def lines(scores: Mapping[str, Any]) -> list[str]:
     """The figures for the terminal."""
-    made = [f"{'':<34}right    interval      with ambiguity  best fit  correlation"]
+    made = [
+        f"left out: the {name} plant, because the package {name} is not installed" for name in scores["run"]["left_out"]
+    ]
+    made.append(f"{'':<58}{'measured':>9}  {'95 % interval':<15}{'of':>4}  target")
+    for row in scores["table"]:
+        interval = f"{row['low']:.3g} to {row['high']:.3g}" if row["low"] is not None else ""
+        value = "-" if row["value"] is None else f"{row['value']:.3g}"
+        made.append(f"{row['what']:<58}{value:>9}  {interval:<15}{row['of'] or '':>4}  {row['target']}: {row['told']}")
+    made += ["", f"{'':<34}right    interval      with ambiguity  best fit  correlation"]
     for name, row in scores["groups"].items():
         made.append(
             f"{name:<34}{row['right']:>3}/{row['of']:<3}  {row['low']:.2f}-{row['high']:.2f}"
             f"{row['with_ambiguity']:>12.2f}{row['best_fit']:>12.2f}{row['correlation']:>12.2f}"
         )
-    calibration, closed = scores["calibration"], scores["closed"]
-    made.append(f"false alarms without an effect: {scores['false_alarms']['right']} of {scores['false_alarms']['of']}")
-    made.append(f"leading coordinate right: {scores['coordinate']['right']} of {scores['coordinate']['of']}")
-    if closed["median_distance"] is not None:
-        made.append(
-            f"closed against the oracle: {closed['median_distance']:.3f} in the median, {100 * closed['within_0.03']:.0f} % within 0.03"
-        )
     made.append(
-        f"expected calibration error {calibration['expected_calibration_error']:.3f}, Brier score {calibration['brier']:.3f}"
+        f"Brier score {scores['calibration']['brier']:.3f}; {scores['seconds']['mean']:.1f} s a diagnosis; "
+        f"{scores['run']['cases']} recordings, {scores['run']['elapsed_s']:.0f} s in all"
     )
-    made.append(f"{scores['seconds']['mean']:.1f} s a diagnosis; {scores['run']['elapsed_s']:.0f} s in all")
     return made

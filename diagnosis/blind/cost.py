@@ -1,0 +1,54 @@
+"""What a diagnosis costs: seconds and peak memory by the length of the recording, each in a process of its own."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .plants import Case, make
+
+__all__ = ["LENGTHS", "growth", "measure"]
+
+LENGTHS = (5_000, 10_000, 20_000)
+RATE = 100.0
+
+
+def measure(samples: int) -> dict[str, Any]:
+    """Seconds and peak memory (MB; None where the system does not tell) of one diagnosis in a fresh process."""
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as process:
+        return process.submit(_diagnose, samples).result()
+
+
+def growth(measured: Sequence[dict[str, Any]]) -> float:
+    """Exponent k of seconds ~ samples^k (least squares in logarithms)."""
+    return float(np.polyfit(np.log([m["samples"] for m in measured]), np.log([m["seconds"] for m in measured]), 1)[0])
+
+
+def _diagnose(samples: int) -> dict[str, Any]:
+    from ..diagnosis import diagnose
+    from ..signals import Signals
+
+    def recorded(count: int) -> Signals:
+        made = make(Case("asymmetric", ("viscous_friction",), 4.0, 0.0, "rich", 1), count / RATE, RATE)
+        return Signals(made.time, made.x, made.y_real, made.y_sim, [slice(0, made.x.size)], {})
+
+    # Kernels are compiled or loaded once an installation; what is measured comes after.
+    diagnose(recorded(1000))
+    signals = recorded(samples)
+    began = time.perf_counter()
+    diagnose(signals)
+    return {"samples": samples, "seconds": time.perf_counter() - began, "peak_mb": _peak_mb()}
+
+
+def _peak_mb() -> float | None:
+    status = Path("/proc/self/status")
+    if not status.exists():
+        return None
+    line = next((text for text in status.read_text(encoding="ascii").splitlines() if text.startswith("VmHWM")), None)
+    return int(line.split()[1]) / 1000.0 if line else None
