@@ -65,6 +65,13 @@ def paper(session: nox.Session) -> None:
 
 
 @nox.session
+def blind(session: nox.Session) -> None:
+    """The blind check of the diagnosis and its page; arguments go to `hystbench blind`."""
+    session.install(".[blind]")
+    session.run("hystbench", "blind", *(session.posargs or ["--out", "hystbench-blind"]), env=ENV)
+
+
+@nox.session
 def docs(session: nox.Session) -> None:
     """The documentation in docs/_build/html, each example run, warnings as errors."""
     _install(session, "docs")
