@@ -23,7 +23,8 @@ def hat_basis(x: Floats, vertices: Floats) -> Floats:
     Outside the vertices the end segments are continued.
     """
     k = np.clip(np.searchsorted(vertices, x) - 1, 0, vertices.size - 2)
-    fraction = (x - vertices[k]) / (vertices[k + 1] - vertices[k])
+    # Vertices that a search has moved into one another share their place.
+    fraction = (x - vertices[k]) / np.maximum(vertices[k + 1] - vertices[k], np.finfo(float).tiny)
     basis = np.zeros((x.size, vertices.size))
     rows = np.arange(x.size)
     basis[rows, k] = 1.0 - fraction
@@ -164,7 +165,8 @@ def fit_vertices(x: Floats, y: Floats, segments: int) -> Floats:
     vertices = _refine(x, y, coarse[0][_chords(*coarse, segments)])
     if fine[0].size >= 2 * segments:
         meeting = _refine(x, y, _meeting_points(*fine, segments))
-        vertices = min(meeting, vertices, key=lambda trial: _profile(x, y, trial)[1])
+        if np.all(np.diff(meeting) > 0.0) and _profile(x, y, meeting)[1] < _profile(x, y, vertices)[1]:
+            vertices = meeting
     error = _profile(x, y, vertices)[1]
     distinct = np.unique(x)
     # A kink between two bins can cost the programme two vertices: give the least useful one to the worst segment.
