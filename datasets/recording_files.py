@@ -39,6 +39,8 @@ DEFAULT_Y = "torque_nm"
 DEFAULTS = {"time": DEFAULT_TIME, "x": DEFAULT_X, "y": DEFAULT_Y}
 MINIMUM_ROWS = 8
 SUFFIXES = (".csv", ".txt", ".tsv", ".parquet", ".npz", ".mat")
+LEAST_SPAN, GREATEST = 1e-100, 1e100
+"""Beyond these, squares of what is computed from the figures would leave the range of floating-point numbers."""
 SEPARATORS = {",": "comma", ";": "semicolon", "\t": "tab"}
 
 
@@ -141,6 +143,8 @@ def read_columns(file: str | os.PathLike[str], columns: Mapping[str, str | None]
                 f"{path}: {table.place(k)}: time column {time!r} {what} ({clock[k - 1]:.9g} then {clock[k]:.9g}); "
                 "sort the rows, or split the file where a new recording begins"
             )
+    for role, values in (*wanted.items(), ("time", clock)):
+        _require_magnitude(path, chosen.get(role, DEFAULT_TIME), values)
     untimed = ""
     if time is None:
         untimed = f"no column {DEFAULT_TIME}: samples are numbered 0, 1, 2, … s; name the time column with --time"
@@ -387,6 +391,15 @@ def _require_column(path: Path, names: list[str], name: str, role: str) -> None:
     near = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
     hint = f"; did you mean {near[0]!r}?" if near else ";"
     raise InputError(f"{path}: no column {name!r}{hint} it has {', '.join(names)}. Choose with --{role} COLUMN")
+
+
+def _require_magnitude(path: Path, name: str, values: Floats) -> None:
+    greatest = float(np.max(np.abs(values)))
+    if greatest > GREATEST:
+        raise InputError(f"{path}: column {name!r} reaches {greatest:.3g}, too large to compute with; check its unit")
+    span = float(np.ptp(values))
+    if 0.0 < span < LEAST_SPAN:
+        raise InputError(f"{path}: column {name!r} spans {span:.3g}, too little to compute with; check its unit")
 
 
 def _no_duplicates(path: Path, names: list[str]) -> None:

@@ -436,7 +436,7 @@ def load_parameters(path: str | os.PathLike[str], get: Callable[[str], type[Any]
         raise InputError(f"{path}: no such file; `hystbench fit` writes model files") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror})") from None
-    except (UnicodeDecodeError, json.JSONDecodeError) as error:
+    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
         raise InputError(f"{path}: not a model file ({error}); `hystbench fit` writes model files") from None
     if not isinstance(document, Mapping) or document.get("schema") != SCHEMA:
         raise InputError(f"{path}: not a model file (no schema {SCHEMA!r}); `hystbench fit` writes model files")
@@ -447,10 +447,13 @@ def load_parameters(path: str | os.PathLike[str], get: Callable[[str], type[Any]
     try:
         model = cls.from_parameters(**parameters)
         model.set_params(**document.get("hyperparameters", {}))
-    except (TypeError, ValueError) as error:
+        model.x_scale_ = parameter_number("x_scale", document.get("x_scale", 1.0))
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{path}: {error}") from None
-    model.x_scale_ = float(document.get("x_scale", 1.0))
-    model.notes_ = list(document.get("notes", []))
+    notes = document.get("notes", [])
+    if not isinstance(notes, list) or not model.x_scale_ > 0.0:
+        raise InputError(f"{path}: notes must be a list and x_scale positive; `hystbench fit` writes model files")
+    model.notes_ = [str(note) for note in notes]
     return model
 
 
