@@ -32,17 +32,17 @@ def hat_basis(x: Floats, vertices: Floats) -> Floats:
     return basis
 
 
+def _moments(x: Floats, y: Floats, w: Floats) -> Floats:
+    """Prefix sums of w, wx, wy, wxx, wxy, wyy, shape (6, n + 1): with them the error of any line is an O(1) expression."""
+    s = np.zeros((6, x.size + 1))
+    np.cumsum([w, w * x, w * y, w * x * x, w * x * y, w * y * y], axis=1, out=s[:, 1:])
+    return s
+
+
 @njit(cache=True)
-def _chords(x, y, w, segments):
+def _chords(x, y, s, segments):
     """Indices of the vertices that minimise the squared error of a polyline through ``segments`` of the points."""
     n = x.size
-    # Prefix sums of w, wx, wy, wxx, wxy, wyy make the error of every chord an O(1) expression.
-    s = np.zeros((6, n + 1))
-    for i in range(n):
-        a, b, c = w[i], x[i], y[i]
-        values = (a, a * b, a * c, a * b * b, a * b * c, a * c * c)
-        for q in range(6):
-            s[q, i + 1] = s[q, i] + values[q]
     best = np.full((segments + 1, n), np.inf)
     back = np.zeros((segments + 1, n), dtype=np.int64)
     best[0, 0] = 0.0
@@ -72,16 +72,9 @@ def _chords(x, y, w, segments):
 
 
 @njit(cache=True)
-def _divide(x, y, w, segments):
+def _divide(s, segments):
     """First point of each of the ``segments`` groups of neighbouring points that straight lines fit with least error."""
-    n = x.size
-    # Prefix sums of w, wx, wy, wxx, wxy, wyy make the error of every line an O(1) expression.
-    s = np.zeros((6, n + 1))
-    for i in range(n):
-        a, b, c = w[i], x[i], y[i]
-        values = (a, a * b, a * c, a * b * b, a * b * c, a * c * c)
-        for q in range(6):
-            s[q, i + 1] = s[q, i] + values[q]
+    n = s.shape[1] - 1
     best = np.full((segments + 1, n + 1), np.inf)
     back = np.zeros((segments + 1, n + 1), dtype=np.int64)
     best[0, 0] = 0.0
@@ -117,7 +110,7 @@ def _meeting_points(x: Floats, y: Floats, w: Floats, segments: int) -> Floats:
     x, y = x / reach, y / max(np.max(np.abs(y)), 5e-324)
     centre = np.mean(x)
     x, y = x - centre, y - np.average(y, weights=w)
-    starts = np.append(_divide(x, y, w, segments), x.size)
+    starts = np.append(_divide(_moments(x, y, w), segments), x.size)
     lines = []
     for part in itertools.starmap(slice, itertools.pairwise(starts)):
         mx, my = np.average(np.stack([x[part], y[part]]), axis=1, weights=w[part])
@@ -162,7 +155,7 @@ def fit_vertices(x: Floats, y: Floats, segments: int) -> Floats:
     low, high = float(x.min()), float(x.max())
     if segments == 1:
         return np.array([low, high])
-    vertices = _refine(x, y, coarse[0][_chords(*coarse, segments)])
+    vertices = _refine(x, y, coarse[0][_chords(coarse[0], coarse[1], _moments(*coarse), segments)])
     if fine[0].size >= 2 * segments:
         meeting = _refine(x, y, _meeting_points(*fine, segments))
         if np.all(np.diff(meeting) > 0.0) and _profile(x, y, meeting)[1] < _profile(x, y, vertices)[1]:
