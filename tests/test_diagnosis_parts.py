@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,16 +9,11 @@ from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
 from hystbench.diagnosis.attribution import locate
-from hystbench.diagnosis.blind.cases import DEVELOPMENT_PLANTS, TEST_PLANTS, bank
-from hystbench.diagnosis.blind.check import diagnose_blind, seal, unseal
-from hystbench.diagnosis.blind.plants import EFFECTS, Case, make
-from hystbench.diagnosis.blind.scoring import expected_calibration_error, is_right, wilson
 from hystbench.diagnosis.evidence import boxed_least_squares
 from hystbench.diagnosis.excitation import Limits, candidate_motions
 from hystbench.diagnosis.heldout import _folds, closed_share, structured_power
 from hystbench.diagnosis.operators import bristle, lowpass, plays
 from hystbench.diagnosis.signals import Signals
-from hystbench.errors import InputError
 
 
 @settings(max_examples=40, deadline=None)
@@ -122,54 +114,3 @@ def test_designed_motions_keep_the_recorded_limits(low: float, high: float, spee
         assert x.max() <= high + 1e-9
         assert np.max(np.abs(np.diff(x))) / 0.01 <= speed * 1.001
         assert np.max(np.abs(np.diff(x, 2))) / 0.01**2 <= acceleration * 1.05
-
-
-# ---- the blind check -----------------------------------------------------------------------------------------------
-
-
-def test_banks_of_tuning_and_of_reporting_share_no_plant() -> None:
-    assert not set(DEVELOPMENT_PLANTS) & set(TEST_PLANTS)
-    cases = bank(TEST_PLANTS, 1, 500)
-    assert {name for case in cases for name in case.effects} >= set(EFFECTS)
-    assert {case.ratio for case in cases} >= {2.0, 4.0, 8.0, 16.0}
-    assert len({case.seed for case in cases}) == len(cases)
-
-
-@pytest.mark.parametrize("name", sorted(EFFECTS))
-def test_a_plant_effect_has_the_size_that_was_asked_for(name: str) -> None:
-    made = make(Case("asymmetric", (name,), 4.0, 0.0, "rich", 77), seconds=15.0)
-    size = float(np.sqrt(np.mean(np.square(made.contributions[name]))))
-    assert size / made.noise == pytest.approx(4.0, rel=0.05)
-
-
-def test_a_seal_shows_tampering_and_the_recording_alone_is_diagnosed(tmp_path: Path) -> None:
-    tasks = seal([Case("asymmetric", ("torque_offset",), 8.0, 0.0, "rich", 5)], tmp_path, 1)
-    assert set(tasks[0]) == {"id", "real", "sim", "exclude"}
-    assert unseal(tmp_path)[tasks[0]["id"]]["truth"] == ["torque_offset"]
-    assert diagnose_blind(tmp_path, tasks[0])["verdict"] == ["torque_offset"]
-    text = (tmp_path / "labels.json").read_text(encoding="utf-8")
-    (tmp_path / "labels.json").write_text(text.replace("torque_offset", "torque_gain"), encoding="utf-8")
-    with pytest.raises(InputError, match="seal"):
-        unseal(tmp_path)
-    assert json.loads((tmp_path / "tasks.json").read_text(encoding="utf-8")) == tasks
-
-
-def test_right_means_nothing_more_and_nothing_less() -> None:
-    label = {"truth": ["backlash"], "base_error": 0.0}
-    assert is_right(["backlash"], label)
-    assert not is_right(["backlash", "inertia"], label)
-    assert not is_right([], label)
-    assert not is_right(["backlash", "miscalibration"], label)
-    assert is_right(["backlash", "miscalibration"], {**label, "base_error": 0.04})
-
-
-def test_calibration_error_and_interval_against_known_values() -> None:
-    assert expected_calibration_error([0.8] * 10, [True] * 8 + [False] * 2) == pytest.approx(
-        0.2 * 0.0 + _spread(8, 10), abs=1e-12
-    )
-    assert wilson(8, 10) == pytest.approx((0.4901, 0.9433), abs=1e-3)
-
-
-def _spread(hits: int, count: int) -> float:
-    """ECE in bins of one sample each, by hand."""
-    return (hits * 0.2 + (count - hits) * 0.8) / count

@@ -30,7 +30,7 @@ STEP, FINE_STEP = 1e-3, 4e-4
 SENSOR_STEP = 2.5e-4
 HEAVY = 1e6
 """Inertia of a prescribed shaft, kg·m²: nothing that hangs on it moves it within a step."""
-QUICK = 150.0
+QUICK = 300.0
 """Natural frequency of a slip element's mass on its spring, rad/s."""
 REAL_ELEMENTS, SIMULATED_ELEMENTS = 24, 20
 LINK_INERTIA = 5e-4
@@ -98,7 +98,7 @@ def _rig_model(design: _Design, step: float) -> Any:
 
     for k, (stiffness, loss) in enumerate(zip(design.stiffness, design.loss, strict=True)):
         bodies.append(body(f"slip{k}", f'frictionloss="{loss:.9g}" {solver}', stiffness / QUICK**2))
-        tendons.append(spring(f"slip{k}", shaft, stiffness, stiffness / QUICK))
+        tendons.append(spring(f"slip{k}", shaft, stiffness, 0.6 * stiffness / QUICK))
     for k, (stiffness, damping) in enumerate(design.branches):
         bodies.append(body(f"branch{k}", f'damping="{damping:.9g}"', stiffness / QUICK**2))
         tendons.append(spring(f"branch{k}", shaft, stiffness, 0.0))

@@ -331,7 +331,7 @@ def _asymmetry(j: _Joint, a: float, rng: np.random.Generator) -> None:
 
 def _saturation(j: _Joint, a: float, rng: np.random.Generator) -> None:
     # A larger size means a lower limit.
-    limit = j.typical.most_torque / (1.0 + 0.25 * a)
+    limit = 1.5 * j.typical.most_torque / (1.0 + 0.25 * a)
     j.torque = j.torque / (1.0 + np.abs(j.torque / limit) ** 12) ** (1.0 / 12.0)
 
 
