@@ -244,11 +244,11 @@ def lines(scores: Mapping[str, Any]) -> list[str]:
     made = [
         f"left out: the {name} plant, because the package {name} is not installed" for name in scores["run"]["left_out"]
     ]
-    made.append(f"{'':<58}{'measured':>9}  {'95 % interval':<15}{'of':>4}  target")
+    made.append(f"{'':<58}{'measured':>9}  {'95 % interval':<19}{'of':>4}  target")
     for row in scores["table"]:
         interval = f"{row['low']:.3g} to {row['high']:.3g}" if row["low"] is not None else ""
         value = "-" if row["value"] is None else f"{row['value']:.3g}"
-        made.append(f"{row['what']:<58}{value:>9}  {interval:<15}{row['of'] or '':>4}  {row['target']}: {row['told']}")
+        made.append(f"{row['what']:<58}{value:>9}  {interval:<19}{row['of'] or '':>4}  {row['target']}: {row['told']}")
     made += ["", f"{'':<34}right    interval      with ambiguity  best fit  correlation"]
     for name, row in scores["groups"].items():
         made.append(
