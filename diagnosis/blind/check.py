@@ -6,7 +6,7 @@ import hashlib
 import json
 import os
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -81,15 +81,8 @@ def check(out: Path, seeds: int = 1, jobs: int | None = None, quick: bool = Fals
     if quick:
         cases = quick_part(cases)
     tasks, laboratories = seal(cases, out, workers)
-    verdicts = []
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
-        bar = progress.add_task("diagnoses", total=len(tasks))
-        for record in Parallel(n_jobs=workers, return_as="generator")(
-            delayed(examine)(out, task, laboratories[task["id"]]) for task in tasks
-        ):
-            verdicts.append(record)
-            progress.advance(bar)
+    examined = (delayed(examine)(out, task, laboratories[task["id"]]) for task in tasks)
+    verdicts = _progress("diagnoses", Parallel(n_jobs=workers, return_as="generator")(examined), len(tasks))
     write_text(out / "verdicts.json", json.dumps(verdicts, indent=1) + "\n")
     costs = [measure(samples) for samples in LENGTHS]
     labels = unseal(out)
@@ -107,6 +100,13 @@ def check(out: Path, seeds: int = 1, jobs: int | None = None, quick: bool = Fals
 
     page = write_blind(scores, rows, out)
     return [*lines(scores), str(page)]
+
+
+def _progress(what: str, results: Iterable[Any], total: int) -> list[Any]:
+    """All results, with a bar on a terminal while they come."""
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+        return list(progress.track(results, total=total, description=what))
 
 
 def _row(record: Mapping[str, Any], label: Mapping[str, Any]) -> dict[str, Any]:
@@ -135,9 +135,8 @@ def seal(cases: Sequence[Case], out: Path, workers: int) -> tuple[list[dict[str,
     out.mkdir(parents=True, exist_ok=True)
     order = np.random.default_rng(FIRST_SEED).permutation(len(cases))
     names = [f"{k:04d}" for k in range(len(cases))]
-    made = Parallel(n_jobs=workers)(
-        delayed(_write_case)(cases[k], out, name) for k, name in zip(order, names, strict=True)
-    )
+    written = (delayed(_write_case)(cases[k], out, name) for k, name in zip(order, names, strict=True))
+    made = _progress("recordings", Parallel(n_jobs=workers, return_as="generator")(written), len(cases))
     labels = {label["id"]: label for label, _, _ in made}
     text = json.dumps(labels, indent=1, sort_keys=True) + "\n"
     write_text(out / "labels.json", text)
