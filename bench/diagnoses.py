@@ -18,6 +18,7 @@ from ..files import write_text
 from .cells import MEMORY_LIMIT, data_hash, fitted_on, load_unchanged, model_identity
 from .results import plain
 from .session import session_id
+from .shapes import DIAGNOSES, fits
 
 __all__ = ["SEED", "DiagnosisSpec", "best_models", "diagnosis_specs", "read_diagnoses", "write_diagnoses"]
 
@@ -135,11 +136,9 @@ def read_diagnoses(folder: Path) -> list[dict[str, Any]]:
     """The diagnoses of a run folder; none if there is no file of them that can be read."""
     try:
         document = json.loads((folder / "diagnoses.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return []
-    if not isinstance(document, dict) or document.get("schema") != SCHEMA:
-        return []
-    return list(document["diagnoses"])
+    return list(document["diagnoses"]) if fits(document, DIAGNOSES) and document.get("schema") == SCHEMA else []
 
 
 def _entry(cell: Mapping[str, Any]) -> dict[str, Any]:

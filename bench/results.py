@@ -13,6 +13,7 @@ import pandas as pd
 
 from ..errors import InputError
 from ..files import replacing, write_text
+from .shapes import CELL, RUN, fits
 
 __all__ = [
     "COLUMNS",
@@ -70,10 +71,10 @@ def read_cells(folder: Path) -> dict[str, dict[str, Any]]:
     for path in sorted(folder.glob("*.json")):
         try:
             cell = json.loads(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError):
+        except (OSError, ValueError, RecursionError):
             continue
         # What was not written by us, or was damaged since, is simply computed again.
-        if isinstance(cell, dict) and cell.get("key") == path.stem and isinstance(cell.get("rows"), list):
+        if fits(cell, CELL) and cell.get("key") == path.stem:
             cells[path.stem] = cell
     return cells
 
@@ -116,10 +117,10 @@ def read_results(where: str | Path) -> pd.DataFrame:
 
 
 def read_document(where: str | Path) -> dict[str, Any]:
-    """The ``run.json`` of a run folder; empty if there is none that can be read."""
+    """The ``run.json`` of a run folder; empty if there is none that can be read, or it is not as a run writes it."""
     path = Path(where)
     try:
         document = json.loads(((path if path.is_dir() else path.parent) / "run.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return {}
-    return document if isinstance(document, dict) else {}
+    return document if fits(document, RUN) else {}

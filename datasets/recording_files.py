@@ -39,8 +39,8 @@ DEFAULT_Y = "torque_nm"
 DEFAULTS = {"time": DEFAULT_TIME, "x": DEFAULT_X, "y": DEFAULT_Y}
 MINIMUM_ROWS = 8
 SUFFIXES = (".csv", ".txt", ".tsv", ".parquet", ".npz", ".mat")
-LEAST_SPAN, GREATEST = 1e-100, 1e100
-"""Beyond these, squares of what is computed from the figures would leave the range of floating-point numbers."""
+LEAST_SPAN, GREATEST = 1e-30, 1e30
+"""Beyond these, squares of accelerations would leave the range of floating-point numbers."""
 SEPARATORS = {",": "comma", ";": "semicolon", "\t": "tab"}
 
 

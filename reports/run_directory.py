@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -13,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from ..bench.diagnoses import read_diagnoses
-from ..bench.results import read_cells, read_results, table_of
+from ..bench.results import read_cells, read_document, read_results, table_of
 from ..errors import InputError
 
 __all__ = ["RunDirectory", "read_run"]
@@ -22,6 +21,7 @@ CONDITION_ORDER = ("clean", "noisy", "kalman", "smoothed", "recorded")
 # A run.json that is missing or older leaves these blank.
 NO_RUN: dict[str, Any] = {
     "started": "", "skipped": [], "command": [], "seeds": [], "elapsed_s": None, "machine": {}, "versions": {},
+    "cells_done": 0, "cells_total": 0,
 }  # fmt: skip
 NO_DATASET: dict[str, Any] = {
     "title": "", "kind": "", "split": "", "source": "", "licence": "", "x_name": "input", "x_unit": "", "y_name": "output",
@@ -111,11 +111,7 @@ def read_run(path: Path) -> RunDirectory:
     InputError
         If it holds no results.
     """
-    try:
-        document = json.loads((path / "run.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        document = {}
-    document = NO_RUN | (document if isinstance(document, dict) else {})
+    document = NO_RUN | read_document(path)
     cells = read_cells(path / "cells") if (path / "cells").is_dir() else {}
     if document.get("finished") is False:
         # A run that was killed could not write its table any more; its finished cells are there.

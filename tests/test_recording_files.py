@@ -48,7 +48,7 @@ def recording_or_defect(path: Path) -> Recording | str:
         return str(error)
 
 
-finite = st.floats(-1e100, 1e100)
+finite = st.floats(-1e30, 1e30)
 
 
 @settings(max_examples=30, deadline=None)
@@ -61,7 +61,7 @@ def test_every_finite_float_is_written_and_read_back_bit_by_bit(tmp_path_factory
         "deflection_rad": np.array(values[:n]),
         "torque_nm": np.array(values[n : 2 * n]),
     }
-    assume(all(np.ptp(series) == 0.0 or np.ptp(series) > 1e-100 for series in columns.values()))
+    assume(all(np.ptp(series) == 0.0 or np.ptp(series) >= 1e-30 for series in columns.values()))
     write_recording(path, columns)
     found = read_recording(path)
     assert found.x.tobytes() == columns["deflection_rad"].tobytes()
@@ -72,7 +72,7 @@ def test_every_finite_float_is_written_and_read_back_bit_by_bit(tmp_path_factory
 @pytest.mark.parametrize(
     ("column", "values", "words"),
     [
-        ("deflection_rad", [1e101] * 9, "too large"),
+        ("deflection_rad", [1e31] * 9, "too large"),
         ("torque_nm", [5e-324 * k for k in range(9)], "too little"),
         ("time_s", [1e-200 * k for k in range(9)], "too little"),
     ],
