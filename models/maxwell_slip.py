@@ -25,24 +25,29 @@ out, and every path is a polyline whose inverse is the same path with its axes e
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq, isotonic_regression
+from scipy.optimize import brentq
 
 from ..errors import InputError
 from .base import Condition, Floats, HysteresisModel, InverseError, Run, parameter_array
+from .least_squares import solve
 from .motion import auto_dead_band, settled_from, turning_points
-from .polyline import fit_vertices, hat_basis
+from .polyline import fit_vertices, hat_basis, rising_basis
 from .stepping import KernelStepper
 
 __all__ = ["MaxwellSlip", "virtual_deformation"]
 
 CLOSING = 0.05
 """Least rate at which a transition closes its gap, as a fraction of its mean slope."""
+
+LEAST_SLOPE = 0.01
+"""Least slope of a branch's segments in a fit, as a fraction of the loop's mean slope."""
 
 TIE = 0.02
 """Divisions of the loop whose training errors differ by less than this fraction count as equal."""
@@ -194,7 +199,21 @@ def _run(x, state, params, out):
                     steepest = 0.0
                     for p in range(*((0, negative_from - 1) if shape == 0 else (negative_from, sx.size - 1))):
                         steepest = max(steepest, closings[p])
-                    total_length = max(slopes[2 + shape], -2.0 * gap * steepest / slopes[4])
+                    total_length = slopes[2 + shape]
+                    gentlest = rates[k]
+                    while True:
+                        # Only the segments on the way count: a flat one elsewhere must not delay this transition.
+                        needed = -2.0 * gap * steepest / gentlest
+                        total_length = max(total_length, needed)
+                        reached = gentlest
+                        p = k
+                        end = at_x + direction * total_length
+                        while first <= p < final and direction * (end - vx[p if direction > 0.0 else p + 1]) > 0.0:
+                            reached = min(reached, rates[p])
+                            p += 1 if direction > 0.0 else -1
+                        if reached == gentlest:
+                            break
+                        gentlest = reached
             if n >= 2:
                 aim = state[_STACK + 2 * n - 4]
                 height = state[_STACK + 2 * n - 3] - at_y
@@ -380,7 +399,7 @@ class MaxwellSlip(HysteresisModel):
         rising, falling = self._major_loop(runs)
         segments = self.vertices - 1 + self.elements
         try:
-            upper, lower = _closed_loop(rising, falling, segments)
+            loops = _closed_loops(rising, falling, segments)
         except ValueError as error:
             raise InputError(
                 f"the largest loop cannot be divided into {segments} segments a branch: {error}; "
@@ -388,12 +407,12 @@ class MaxwellSlip(HysteresisModel):
             ) from None
         # The loop alone does not tell where transitions lie nor where they end: the motion within it does.
         counts = sorted(range(1, segments), key=lambda n: abs(n - self.elements))
-        splits = [(ahead, n) for n in counts for ahead in (True, False)]
-        errors = [self._training_error(_assemble(upper, lower, n, ahead), runs) for ahead, n in splits]
+        splits = [(ahead, n, loop) for n in counts for ahead in (True, False) for loop in loops]
+        errors = [self._training_error(_assemble(*loop, n, ahead), runs) for ahead, n, loop in splits]
         span = max(float(np.ptp(run.y)) for run in runs)
         best = int(np.argmax(np.array(errors) <= min(errors) * (1.0 + TIE) + 1e-6 * span))
-        ahead, elements = splits[best]
-        other = min(error for (way, _), error in zip(splits, errors, strict=True) if way is not ahead)
+        ahead, elements, (upper, lower) = splits[best]
+        other = min(error for (way, _, _), error in zip(splits, errors, strict=True) if way is not ahead)
         self.notes_.append(
             f"transitions of {elements} elements "
             + ("continue the curve towards each end, as in the paper" if ahead else "follow each turn")
@@ -511,9 +530,8 @@ class MaxwellSlip(HysteresisModel):
             shapes.append(np.ascontiguousarray(shape.T))
             slopes.append(mean_slope)
             lengths.append(length)
-        gentlest = min(np.min(np.diff(c[:, 1]) / np.diff(c[:, 0])) for c in (upper, lower))
         self._curves = (*upper.T, *lower.T)
-        self._slopes = np.array([*slopes, *lengths, gentlest])
+        self._slopes = np.array([*slopes, *lengths])
         curves = [np.ascontiguousarray(curve.T) for curve in (upper, lower)]
         self._params = (
             *_polylines(curves),
@@ -675,40 +693,41 @@ def _join(curves: dict[str, Any], name: str, top: bool) -> str:
     )
 
 
-def _closed_loop(rising: tuple[Floats, Floats], falling: tuple[Floats, Floats], segments: int) -> tuple[Floats, Floats]:
-    """Vertices (segments + 1, 2) of the rising and the falling branch, fitted together so that they meet at both ends."""
+def _closed_loops(
+    rising: tuple[Floats, Floats], falling: tuple[Floats, Floats], segments: int
+) -> list[tuple[Floats, Floats]]:
+    """Vertices (segments + 1, 2) of the rising and the falling branch for every division that may serve."""
     low = min(rising[0].min(), falling[0].min())
     high = max(rising[0].max(), falling[0].max())
     grids = []
     for x, y in (rising, falling):
-        vertices = fit_vertices(x, y, segments)
-        vertices[0], vertices[-1] = low, high
-        grids.append(vertices)
-    m = segments + 1
-    up, down = hat_basis(rising[0], grids[0]), hat_basis(falling[0], grids[1])
-    # Unknowns: all ordinates of the rising branch, then the inner ones of the falling branch; the ends are shared.
-    design = np.zeros((up.shape[0] + down.shape[0], 2 * m - 2))
-    design[: up.shape[0], :m] = up
-    design[up.shape[0] :, m:] = down[:, 1:-1]
-    design[up.shape[0] :, [0, m - 1]] = down[:, [0, -1]]
-    target = np.concatenate([rising[1], falling[1]])
-    values = np.linalg.lstsq(design, target, rcond=None)[0]
-    ordinates = (values[:m], np.concatenate([values[:1], values[m:], values[m - 1 : m]]))
-    # Where force follows speed a branch bends back before its end; the nearest rising curve is what the model can hold.
-    monotone = [isotonic_regression(ordinate).x for ordinate in ordinates]
-    bottom, top = min(curve[0] for curve in monotone), max(curve[-1] for curve in monotone)
-    for curve in monotone:
-        curve[[0, -1]] = bottom, top
-    rising_curve, falling_curve = (
-        np.column_stack([grid, _drawn_apart(curve)]) for grid, curve in zip(grids, monotone, strict=True)
-    )
-    return rising_curve, falling_curve
+        divisions = fit_vertices(x, y, segments)
+        for vertices in divisions:
+            vertices[0], vertices[-1] = low, high
+        grids.append(divisions)
+    return [_closed_loop(rising, falling, pair) for pair in itertools.product(*grids)]
 
 
-def _drawn_apart(values: Floats) -> Floats:
-    """Values that rise, made to rise strictly by a slope that no recording can tell from flat; the ends are kept."""
-    share = 1e-6
-    return (1.0 - share) * values + share * np.linspace(values[0], values[-1], values.size)
+def _closed_loop(
+    rising: tuple[Floats, Floats], falling: tuple[Floats, Floats], grids: tuple[Floats, Floats]
+) -> tuple[Floats, Floats]:
+    """Vertices of the rising and the falling branch, fitted together so that they meet at both ends."""
+    segments = grids[0].size - 1
+    y = np.concatenate([rising[1], falling[1]])
+    # Where force follows speed a branch bends back before its end. The model can hold curves that rise only, and these
+    # rise at least so much that their inverse stays within reach.
+    least = [LEAST_SLOPE * float(np.ptp(y)) * (np.diff(grid) / np.ptp(grid)) for grid in grids]
+    up, down = rising_basis(rising[0], grids[0]), rising_basis(falling[0], grids[1])
+    design = np.block([[up, np.zeros((up.shape[0], segments))], [np.zeros((down.shape[0], segments)), down]])
+    # Both branches begin at one level and rise by the same: the last row, which outweighs all others.
+    meeting = 1e3 * np.sqrt(y.size) * np.concatenate([np.ones(segments), -np.ones(segments), [0.0]])
+    rows = np.vstack([np.column_stack([design, np.ones(y.size)]), meeting])
+    floor = np.append(np.concatenate(least), 0.0)
+    found = solve(rows, np.append(y, 0.0) - rows @ floor, np.arange(floor.size) < 2 * segments) + floor
+    ordinates = [found[-1] + np.insert(np.cumsum(part), 0, 0.0) for part in np.split(found[:-1], 2)]
+    top = 0.5 * (ordinates[0][-1] + ordinates[1][-1])
+    upper, lower = (np.column_stack([grid, np.append(v[:-1], top)]) for grid, v in zip(grids, ordinates, strict=True))
+    return upper, lower
 
 
 def _assemble(upper: Floats, lower: Floats, elements: int, ahead: bool) -> dict[str, Any]:

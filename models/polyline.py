@@ -9,11 +9,15 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-__all__ = ["fit_vertices", "hat_basis"]
+from .least_squares import solve
+
+__all__ = ["fit_vertices", "hat_basis", "rising_basis"]
 
 Floats = NDArray[np.float64]
 COARSE, FINE = 320, 1000
 """Bins in which noise averages out, and bins in which hardly any kink is lost."""
+NOTHING = 1e-12
+"""Share of the points' sum of squares that counts as no error."""
 ROUNDS = 12
 
 
@@ -137,12 +141,17 @@ def _bin(x: Floats, y: Floats, bins: int) -> tuple[Floats, Floats, Floats]:
     )
 
 
-def fit_vertices(x: Floats, y: Floats, segments: int) -> Floats:
-    """Abscissae of the vertices, shape (segments + 1,), of the least-squares polyline through scattered points.
+def fit_vertices(x: Floats, y: Floats, segments: int) -> list[Floats]:
+    """Abscissae of the vertices, each of shape (segments + 1,), of rising polylines that are near to scattered points.
 
     Two dynamic programmes over binned points find global optima: of the polyline with its vertices on points, which
-    noise misleads least, and of lines that meet between points, which finds every kink of clean data. From both, least
-    squares on all points with the ordinates profiled out then moves the inner vertices; the better result is taken.
+    noise misleads least, and of lines that meet between points, which finds every kink of clean data. From each, least
+    squares on all points with the ordinates profiled out then moves the inner vertices.
+
+    Returns
+    -------
+    list of ndarray
+        One result of each programme, the one with the smaller error first; only that one where its error is nothing.
 
     Raises
     ------
@@ -152,15 +161,23 @@ def fit_vertices(x: Floats, y: Floats, segments: int) -> Floats:
     fine, coarse = _bin(x, y, FINE), _bin(x, y, COARSE)
     if coarse[0].size < segments + 1:
         raise ValueError(f"{coarse[0].size} distinct abscissae are too few for {segments} segments")
-    low, high = float(x.min()), float(x.max())
     if segments == 1:
-        return np.array([low, high])
-    vertices = _refine(x, y, coarse[0][_chords(coarse[0], coarse[1], _moments(*coarse), segments)])
+        return [np.array([float(x.min()), float(x.max())])]
+    results: list[tuple[float, Floats]] = []
     if fine[0].size >= 2 * segments:
-        meeting = _refine(x, y, _meeting_points(*fine, segments))
-        if np.all(np.diff(meeting) > 0.0) and _profile(x, y, meeting)[1] < _profile(x, y, vertices)[1]:
-            vertices = meeting
-    error = _profile(x, y, vertices)[1]
+        results.append(_improved(x, y, _refine(x, y, _meeting_points(*fine, segments))))
+    if not results or results[0][0] > NOTHING * float(np.sum((y - y.mean()) ** 2)):
+        vertices = _refine(x, y, coarse[0][_chords(coarse[0], coarse[1], _moments(*coarse), segments)])
+        # Mostly both lead to the same place.
+        if not results or abs(_rising_error(x, y, vertices) - results[0][0]) > 1e-3 * results[0][0]:
+            results.append(_improved(x, y, vertices))
+    found = [(error, vertices) for error, vertices in results if np.all(np.diff(vertices) > 0.0)]
+    return [vertices for _, vertices in sorted(found or results, key=lambda result: result[0])]
+
+
+def _improved(x: Floats, y: Floats, vertices: Floats) -> tuple[float, Floats]:
+    """Error of the rising polyline and its vertices, after some of these have moved to where they serve better."""
+    error = _rising_error(x, y, vertices)
     distinct = np.unique(x)
     # A kink between two bins can cost the programme two vertices: give the least useful one to the worst segment.
     for _ in range(ROUNDS):
@@ -169,12 +186,24 @@ def fit_vertices(x: Floats, y: Floats, segments: int) -> Floats:
         trials = [trial for trial in refined if np.all(np.diff(np.searchsorted(distinct, trial)) >= 1)]
         if not trials:
             break
-        errors = [_profile(x, y, trial)[1] for trial in trials]
+        errors = [_rising_error(x, y, trial) for trial in trials]
         best = int(np.argmin(errors))
         if errors[best] >= 0.999 * error:
             break
         vertices, error = trials[best], errors[best]
-    return vertices
+    return error, vertices
+
+
+def rising_basis(x: Floats, vertices: Floats) -> Floats:
+    """Design matrix, shape (n, m − 1), for a polyline's rises from vertex to vertex; its first ordinate is 0."""
+    return hat_basis(x, vertices) @ np.tri(vertices.size, vertices.size - 1, k=-1)
+
+
+def _rising_error(x: Floats, y: Floats, vertices: Floats) -> float:
+    """Least sum of squares of a polyline with these vertices that falls nowhere."""
+    design = np.column_stack([rising_basis(x, vertices), np.ones(x.size)])
+    residuals = design @ solve(design, y, np.arange(vertices.size) < vertices.size - 1) - y
+    return float(residuals @ residuals)
 
 
 def _profile(x: Floats, y: Floats, vertices: Floats) -> tuple[Floats, float]:
@@ -208,7 +237,7 @@ def _refine(x: Floats, y: Floats, vertices: Floats) -> Floats:
         logarithms[:-1] - logarithms[-1],
         x_scale=0.1,
         xtol=1e-12,
-        ftol=1e-14,
+        ftol=1e-12,
         gtol=1e-14,
         max_nfev=60,
     )
