@@ -25,7 +25,6 @@ out, and every path is a polyline whose inverse is the same path with its axes e
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar
 
@@ -36,18 +35,14 @@ from scipy.optimize import brentq
 
 from ..errors import InputError
 from .base import Condition, Floats, HysteresisModel, InverseError, Run, parameter_array
-from .least_squares import solve
 from .motion import auto_dead_band, settled_from, turning_points
-from .polyline import fit_vertices, hat_basis, rising_basis
+from .polyline import closed_loops, hat_basis
 from .stepping import KernelStepper
 
 __all__ = ["MaxwellSlip", "virtual_deformation"]
 
 CLOSING = 0.05
 """Least rate at which a transition closes its gap, as a fraction of its mean slope."""
-
-LEAST_SLOPE = 0.01
-"""Least slope of a branch's segments in a fit, as a fraction of the loop's mean slope."""
 
 TIE = 0.02
 """Divisions of the loop whose training errors differ by less than this fraction count as equal."""
@@ -399,7 +394,7 @@ class MaxwellSlip(HysteresisModel):
         rising, falling = self._major_loop(runs)
         segments = self.vertices - 1 + self.elements
         try:
-            loops = _closed_loops(rising, falling, segments)
+            loops = closed_loops(rising, falling, segments)
         except ValueError as error:
             raise InputError(
                 f"the largest loop cannot be divided into {segments} segments a branch: {error}; "
@@ -691,43 +686,6 @@ def _join(curves: dict[str, Any], name: str, top: bool) -> str:
         f"it runs from {transition[0].tolist()} to {transition[-1].tolist()}, they end at "
         f"{curves['ascending'][-1 if top else 0].tolist()} and {curves['descending'][-1 if top else 0].tolist()}"
     )
-
-
-def _closed_loops(
-    rising: tuple[Floats, Floats], falling: tuple[Floats, Floats], segments: int
-) -> list[tuple[Floats, Floats]]:
-    """Vertices (segments + 1, 2) of the rising and the falling branch for every division that may serve."""
-    low = min(rising[0].min(), falling[0].min())
-    high = max(rising[0].max(), falling[0].max())
-    grids = []
-    for x, y in (rising, falling):
-        divisions = fit_vertices(x, y, segments)
-        for vertices in divisions:
-            vertices[0], vertices[-1] = low, high
-        grids.append(divisions)
-    return [_closed_loop(rising, falling, pair) for pair in itertools.product(*grids)]
-
-
-def _closed_loop(
-    rising: tuple[Floats, Floats], falling: tuple[Floats, Floats], grids: tuple[Floats, Floats]
-) -> tuple[Floats, Floats]:
-    """Vertices of the rising and the falling branch, fitted together so that they meet at both ends."""
-    segments = grids[0].size - 1
-    y = np.concatenate([rising[1], falling[1]])
-    # Where force follows speed a branch bends back before its end. The model can hold curves that rise only, and these
-    # rise at least so much that their inverse stays within reach.
-    least = [LEAST_SLOPE * float(np.ptp(y)) * (np.diff(grid) / np.ptp(grid)) for grid in grids]
-    up, down = rising_basis(rising[0], grids[0]), rising_basis(falling[0], grids[1])
-    design = np.block([[up, np.zeros((up.shape[0], segments))], [np.zeros((down.shape[0], segments)), down]])
-    # Both branches begin at one level and rise by the same: the last row, which outweighs all others.
-    meeting = 1e3 * np.sqrt(y.size) * np.concatenate([np.ones(segments), -np.ones(segments), [0.0]])
-    rows = np.vstack([np.column_stack([design, np.ones(y.size)]), meeting])
-    floor = np.append(np.concatenate(least), 0.0)
-    found = solve(rows, np.append(y, 0.0) - rows @ floor, np.arange(floor.size) < 2 * segments) + floor
-    ordinates = [found[-1] + np.insert(np.cumsum(part), 0, 0.0) for part in np.split(found[:-1], 2)]
-    top = 0.5 * (ordinates[0][-1] + ordinates[1][-1])
-    upper, lower = (np.column_stack([grid, np.append(v[:-1], top)]) for grid, v in zip(grids, ordinates, strict=True))
-    return upper, lower
 
 
 def _assemble(upper: Floats, lower: Floats, elements: int, ahead: bool) -> dict[str, Any]:

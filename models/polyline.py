@@ -1,4 +1,4 @@
-"""Fitting a polyline with free vertices to scattered points of a curve."""
+"""Fitting polylines with free vertices to scattered points of a curve, and of the two branches of a loop."""
 
 from __future__ import annotations
 
@@ -11,11 +11,13 @@ from scipy.optimize import least_squares
 
 from .least_squares import solve
 
-__all__ = ["fit_vertices", "hat_basis", "rising_basis"]
+__all__ = ["closed_loops", "fit_vertices", "hat_basis"]
 
 Floats = NDArray[np.float64]
 COARSE, FINE = 320, 1000
 """Bins in which noise averages out, and bins in which hardly any kink is lost."""
+LEAST_SLOPE = 0.01
+"""Least slope of a branch's segments in a fit, as a fraction of the loop's mean slope."""
 NOTHING = 1e-12
 """Share of the points' sum of squares that counts as no error."""
 ROUNDS = 12
@@ -175,6 +177,43 @@ def fit_vertices(x: Floats, y: Floats, segments: int) -> list[Floats]:
     return [vertices for _, vertices in sorted(found or results, key=lambda result: result[0])]
 
 
+def closed_loops(
+    rising: tuple[Floats, Floats], falling: tuple[Floats, Floats], segments: int
+) -> list[tuple[Floats, Floats]]:
+    """Vertices (segments + 1, 2) of the rising and the falling branch for every division that may serve."""
+    low = min(rising[0].min(), falling[0].min())
+    high = max(rising[0].max(), falling[0].max())
+    grids = []
+    for x, y in (rising, falling):
+        divisions = fit_vertices(x, y, segments)
+        for vertices in divisions:
+            vertices[0], vertices[-1] = low, high
+        grids.append(divisions)
+    return [_closed_loop(rising, falling, pair) for pair in itertools.product(*grids)]
+
+
+def _closed_loop(
+    rising: tuple[Floats, Floats], falling: tuple[Floats, Floats], grids: tuple[Floats, Floats]
+) -> tuple[Floats, Floats]:
+    """Vertices of the rising and the falling branch, fitted together so that they meet at both ends."""
+    segments = grids[0].size - 1
+    y = np.concatenate([rising[1], falling[1]])
+    # Where force follows speed a branch bends back before its end. The model can hold curves that rise only, and these
+    # rise at least so much that their inverse stays within reach.
+    least = [LEAST_SLOPE * float(np.ptp(y)) * (np.diff(grid) / np.ptp(grid)) for grid in grids]
+    up, down = _rising_basis(rising[0], grids[0]), _rising_basis(falling[0], grids[1])
+    design = np.block([[up, np.zeros((up.shape[0], segments))], [np.zeros((down.shape[0], segments)), down]])
+    # Both branches begin at one level and rise by the same: the last row, which outweighs all others.
+    meeting = 1e3 * np.sqrt(y.size) * np.concatenate([np.ones(segments), -np.ones(segments), [0.0]])
+    rows = np.vstack([np.column_stack([design, np.ones(y.size)]), meeting])
+    floor = np.append(np.concatenate(least), 0.0)
+    found = solve(rows, np.append(y, 0.0) - rows @ floor, np.arange(floor.size) < 2 * segments) + floor
+    ordinates = [found[-1] + np.insert(np.cumsum(part), 0, 0.0) for part in np.split(found[:-1], 2)]
+    top = 0.5 * (ordinates[0][-1] + ordinates[1][-1])
+    upper, lower = (np.column_stack([grid, np.append(v[:-1], top)]) for grid, v in zip(grids, ordinates, strict=True))
+    return upper, lower
+
+
 def _improved(x: Floats, y: Floats, vertices: Floats) -> tuple[float, Floats]:
     """Error of the rising polyline and its vertices, after some of these have moved to where they serve better."""
     error = _rising_error(x, y, vertices)
@@ -194,14 +233,14 @@ def _improved(x: Floats, y: Floats, vertices: Floats) -> tuple[float, Floats]:
     return error, vertices
 
 
-def rising_basis(x: Floats, vertices: Floats) -> Floats:
+def _rising_basis(x: Floats, vertices: Floats) -> Floats:
     """Design matrix, shape (n, m − 1), for a polyline's rises from vertex to vertex; its first ordinate is 0."""
     return hat_basis(x, vertices) @ np.tri(vertices.size, vertices.size - 1, k=-1)
 
 
 def _rising_error(x: Floats, y: Floats, vertices: Floats) -> float:
     """Least sum of squares of a polyline with these vertices that falls nowhere."""
-    design = np.column_stack([rising_basis(x, vertices), np.ones(x.size)])
+    design = np.column_stack([_rising_basis(x, vertices), np.ones(x.size)])
     residuals = design @ solve(design, y, np.arange(vertices.size) < vertices.size - 1) - y
     return float(residuals @ residuals)
 
