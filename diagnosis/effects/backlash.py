@@ -6,10 +6,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..operators import plays
+from ..operators import clearance, plays
 from .base import INPUT, Effect, Floats, Form, Parameter, Scene, geometric
 
 __all__ = ["Backlash"]
+
+ROUNDS = 3
 
 
 def _play(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -23,6 +25,17 @@ def _gap(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return scene.torque_change(x - np.clip(x, -half, half))[:, None]
 
 
+def _series(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    s, half = scene.signals, 0.5 * shape[0]
+    change = np.zeros_like(s.x)
+    # Where the torque passes zero depends on the clearance before it: a few rounds settle that.
+    for _ in range(ROUNDS):
+        torque = scene.torque + change
+        inner = s.x - s.per_run(lambda run, torque=torque: clearance(s.smooth_x[run], torque[run], half))
+        change = scene.torque_change(inner)
+    return change[:, None]
+
+
 class Backlash(Effect):
     """Clearance: after a turn the input moves a way before the load follows."""
 
@@ -31,7 +44,7 @@ class Backlash(Effect):
     summary: ClassVar[str] = (
         "clearance that must be crossed after a turn, or around zero torque, before torque builds up"
     )
-    equation: ClassVar[str] = "x → play(x; b/2), or x → x − clip(x, ±b/2)"
+    equation: ClassVar[str] = "x → play(x; b/2), x → x − clip(x, ±b/2), or x → x − g, g across ±b/2 where y passes zero"
     coordinate: ClassVar[str] = "distance_since_reversal"
     acts_on: ClassVar[str] = INPUT
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("clearance", "rad", 0.0, np.inf, "total width b"),)
@@ -40,8 +53,10 @@ class Backlash(Effect):
     def forms(self, scene: Scene) -> list[Form]:
         reach = scene.signals.reach
         grid = [(b,) for b in geometric(0.0015 * reach, 0.5 * reach, 13)]
+        few = grid[4::2]
         limits = [(5e-4 * reach, reach)]
         return [
             Form("lost motion at turns", ("_unit",), _play, (1.0,), (1.0,), ("clearance",), grid, limits),
-            Form("gap around zero", ("_unit",), _gap, (1.0,), (1.0,), ("clearance",), grid, limits),
+            Form("gap around zero", ("_unit",), _gap, (1.0,), (1.0,), ("clearance",), grid[2::2], limits),
+            Form("gap at zero torque", ("_unit",), _series, (1.0,), (1.0,), ("clearance",), few, limits),
         ]

@@ -40,11 +40,13 @@ class CyclicSoftening(Effect):
 
     def forms(self, scene: Scene) -> list[Form]:
         total = float(scene.signals.travel.max())
-        lengths = [(t,) for t in geometric(0.02 * total, 1.5 * total, 7)]
+        lengths = [(t,) for t in geometric(0.04 * total, 1.5 * total, 7)]
+        # Softening that is over within a thirtieth of the recording could not be told from a gain.
+        limits = [(0.03 * total, 3.0 * total)]
         return [
             Form("linear", ("softening",), _columns, (0.0,), (1.0 / max(total, 1e-300),)),
             Form("exponential", ("softening",), _columns, (0.0,), (1.0,), ("travel_constant",), lengths,
-                 [(0.005 * total, 3.0 * total)]),
+                 limits),
             Form("hyperbolic", ("softening",), _hyperbolic, (0.0,), (1.0,), ("travel_constant",), lengths,
-                 [(0.005 * total, 3.0 * total)]),
+                 limits),
         ]  # fmt: skip

@@ -26,17 +26,25 @@ def _columns(harmonics: int) -> Callable[[Scene, tuple[float, ...]], Floats]:
 
 
 def _of_true_angle(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    periods, sine, cosine = shape
+    periods, waves = shape[0], shape[1:]
     x = scene.signals.x
     true = x
-    # z = x + p sin(N z) + q cos(N z) is a contraction as long as the error is small against a period.
+    # z = x + p sin(N z) + q cos(N z) + … is a contraction as long as the error is small against a period.
     for _ in range(6):
-        true = x + sine * np.sin(periods * true) + cosine * np.cos(periods * true)
+        error = np.zeros_like(x)
+        for k in range(len(waves) // 2):
+            angle = (k + 1) * periods * true
+            error += waves[2 * k] * np.sin(angle) + waves[2 * k + 1] * np.cos(angle)
+        true = x + error
     return scene.torque_change(true)[:, None]
 
 
 def _from_sine(shape: tuple[float, ...], coefficients: Floats) -> tuple[float, ...]:
     return (*shape, float(coefficients[0]), float(coefficients[1]))
+
+
+def _from_sine_twice(shape: tuple[float, ...], coefficients: Floats) -> tuple[float, ...]:
+    return (*_from_sine(shape, coefficients), 0.0, 0.0)
 
 
 class EncoderEccentricity(Effect):
@@ -46,7 +54,7 @@ class EncoderEccentricity(Effect):
     title: ClassVar[str] = "encoder eccentricity"
     summary: ClassVar[str] = "periodic error of the deflection (eccentric disc, magnet or gear)"
     equation: ClassVar[str] = (
-        "x → z, z = x + p sin(N z) + q cos(N z); or x + p sin(N x) + q cos(N x) + p2 sin(2 N x) + q2 cos(2 N x)"
+        "x → z, z = x + p sin(N z) + q cos(N z) [+ p2 sin(2 N z) + q2 cos(2 N z)], or with x on the right for z"
     )
     coordinate: ClassVar[str] = "position"
     acts_on: ClassVar[str] = INPUT
@@ -80,6 +88,18 @@ class EncoderEccentricity(Effect):
                 [(low, high), (-wide, wide), (-wide, wide)],
                 "sine",
                 _from_sine,
+            ),
+            Form(
+                "two harmonics of the true angle",
+                ("_unit",),
+                _of_true_angle,
+                (1.0,),
+                (1.0,),
+                ("periods", *names),
+                (),
+                [(low, high), *[(-wide, wide)] * 4],
+                "sine",
+                _from_sine_twice,
             ),
             Form(
                 "two harmonics", names, _columns(2), (-wide,) * 4, (wide,) * 4, ("periods",), (), [(low, high)], "sine"

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from .base import SENSOR, Effect, Floats, Form, Parameter, Scene
+import numpy as np
+
+from .base import SENSOR, Effect, Floats, Form, Parameter, Scene, geometric
 
 __all__ = ["SensorDelay"]
 
@@ -34,8 +36,11 @@ class SensorDelay(Effect):
 
     def forms(self, scene: Scene) -> list[Form]:
         step = scene.signals.interval
-        grid = [k * step for k in (0.1, 0.25, 0.6, 1.2, 2.5, 5.0, 9.0, 16.0)]
-        high = 25.0 * step
+        # Up to 25 samples, or 20 degrees of the motion's mean frequency where it is sampled densely.
+        speed = float(np.sqrt(np.mean(np.square(scene.signals.speed))))
+        high = max(25.0 * step, 0.35 * float(np.std(scene.signals.smooth_x)) / max(speed, 1e-300))
+        high = min(high, 0.1 * float(scene.signals.elapsed.max()))
+        grid = geometric(0.1 * step, 0.7 * high, 9)
         return [
             Form("late", ("_unit",), _delay, (1.0,), (1.0,), ("delay",), [(t,) for t in grid], [(0.02 * step, high)]),
             Form(

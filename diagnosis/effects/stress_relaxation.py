@@ -47,10 +47,11 @@ class StressRelaxation(Effect):
     def forms(self, scene: Scene) -> list[Form]:
         s = scene.signals
         span = max(float(s.elapsed[run.stop - 1]) for run in s.runs)
-        low, high = 4.0 * s.interval, 0.5 * span
+        # What relaxes far more slowly than the recording moves is a spring.
+        low, high = 4.0 * s.interval, 0.25 * span
         times = geometric(max(low, span / 1500.0), high, 10)
         free = (0.0,), (np.inf,)
-        limits = (low, 2.0 * high)
+        limits = (low, 1.2 * high)
         pairs = [(a, b) for a in times[::2] for b in times[1::2] if b > 4.0 * a]
         return [
             Form("one branch", ("stiffness",), _of_deflection, *free, ("time_constant",), [(t,) for t in times], [limits]),

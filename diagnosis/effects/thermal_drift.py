@@ -60,8 +60,9 @@ class ThermalDrift(Effect):
     def forms(self, scene: Scene) -> list[Form]:
         s = scene.signals
         span = float(s.elapsed.max())
-        times = [(t,) for t in geometric(0.04 * span, 1.5 * span, 6)]
-        limits = [(0.02 * span, 3.0 * span)]
+        times = [(t,) for t in geometric(0.05 * span, 1.5 * span, 6)]
+        # Warming up that is over within a thirtieth of the recording could not be told from an offset or a gain.
+        limits = [(0.03 * span, 3.0 * span)]
         free = (-np.inf,), (np.inf,)
         made = [
             Form("zero, linear", ("zero_drift",), _zero, *free),
