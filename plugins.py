@@ -77,6 +77,10 @@ class Registry(Generic[T]):
         """Ids of all plug-ins that load, the built-in ones first."""
         return [name for name in self._entry_points if self._load(name) is not None]
 
+    def modules(self) -> set[str]:
+        """Names of the modules that the plug-ins are in; none is loaded for that."""
+        return {point.module for point in self._entry_points.values()}
+
     def _load(self, name: str) -> T | None:
         if name in self._loaded:
             return self._loaded[name]

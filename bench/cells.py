@@ -9,7 +9,7 @@ import json
 import sys
 import time
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
@@ -95,7 +95,7 @@ class CellSpec:
         document = {
             **model_identity(self.model),
             "metrics": METRIC_VERSION,
-            **{k: v for k, v in asdict(self).items() if k not in ("timing_time", "time_limit", "memory_limit", "run")},
+            **{k: v for k, v in vars(self).items() if k not in ("timing_time", "time_limit", "memory_limit", "run")},
         }
         return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()[:24]
 
@@ -140,7 +140,7 @@ def _code_hash(name: str) -> str:
         folder = Path(inspect.getfile(module)).parent
     except (OSError, TypeError):
         return ""
-    others = {models.get(other).__module__ for other in models.ids()}
+    others = models.registry.modules()
     siblings = {f"{name.rpartition('.')[0]}.{path.stem}": path for path in folder.glob("*.py")}
     wanted = {other for other in siblings if other not in others} | _imported(name, siblings.keys())
     return hashlib.sha256(b"".join(siblings[other].read_bytes() for other in sorted(wanted))).hexdigest()

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_discrete_are
 from scipy.optimize import minimize_scalar
-from scipy.signal import lfilter, ss2tf
 
 from ..datasets import Dataset, Recording
 from ..models.motion import auto_dead_band, turning_points
@@ -139,6 +138,9 @@ def tune(recordings: Sequence[Recording], sigmas: tuple[float, float]) -> float:
     It maximises the likelihood of the innovations of the training recordings' first samples, with the measurement
     noise fixed at the sensors' deviations. The common ratio gives input and output the same gain.
     """
+    # Processes whose cells need no filter are spared the import, which takes longer than many a cell.
+    from scipy.signal import lfilter
+
     pieces = []
     for recording in recordings:
         step = float(np.median(np.diff(recording.time)))
@@ -164,6 +166,8 @@ def tune(recordings: Sequence[Recording], sigmas: tuple[float, float]) -> float:
 
 def _innovation_filter(step: float, ratio: float) -> tuple[Floats, Floats, float]:
     """The steady filter from measurements to innovations, for unit measurement variance, and their variance."""
+    from scipy.signal import ss2tf
+
     transition, noise = _motion(step)
     # In steps as the unit of time the matrices are well scaled.
     scale = np.diag(step ** np.arange(ORDER))

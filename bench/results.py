@@ -6,14 +6,16 @@ import json
 import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from ..errors import InputError
 from ..files import replacing, write_text
 from .shapes import CELL, RUN, fits
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = [
     "COLUMNS",
@@ -62,7 +64,7 @@ def write_cell(folder: Path, cell: Mapping[str, Any], arrays: Mapping[str, np.nd
     else:
         # The cell may take the place of one that succeeded.
         path.unlink(missing_ok=True)
-    write_text(folder / f"{cell['key']}.json", json.dumps(plain(cell), indent=1, allow_nan=False) + "\n")
+    write_text(folder / f"{cell['key']}.json", json.dumps(plain(cell), allow_nan=False) + "\n")
 
 
 def read_cells(folder: Path) -> dict[str, dict[str, Any]]:
@@ -81,6 +83,9 @@ def read_cells(folder: Path) -> dict[str, dict[str, Any]]:
 
 def table_of(cells: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
     """The rows of all cells, sorted, so that equal results make equal tables."""
+    # Processes that compute cells make no table, and importing pandas would cost them a second.
+    import pandas as pd
+
     rows = [row for cell in cells for row in cell["rows"]]
     table = pd.DataFrame(rows, columns=list(COLUMNS))
     table = table.astype({"seed": "int64", "n": "int64", **dict.fromkeys((*METRIC_COLUMNS, *TIME_COLUMNS), "float64")})
@@ -101,6 +106,8 @@ def read_results(where: str | Path) -> pd.DataFrame:
     InputError
         If there is none, or it lacks a column.
     """
+    import pandas as pd
+
     path = Path(where)
     if path.is_dir():
         path = path / "results.parquet"

@@ -292,8 +292,10 @@ class _Work(Generic[E]):
 
     def drop_outdated(self) -> None:
         """Remove what older versions or data left for this very work; cells that this run did not ask for stay."""
+        if self.known.keys() <= self.specs.keys():
+            return
         current = {_identity(spec.blank()): key for key, spec in self.specs.items()}
-        for key, cell in read_cells(self.folder).items():
+        for key, cell in self.known.items():
             if current.get(_identity(cell), key) != key:
                 for suffix in (".json", ".npz"):
                     (self.folder / f"{key}{suffix}").unlink(missing_ok=True)
