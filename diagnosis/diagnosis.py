@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -28,7 +28,7 @@ REPORTED = 5
 """Effects beyond the verdict that are reported with held-out figures."""
 RIVAL = 0.05
 """An alternative at least this probable, relative to the verdict, is a stated ambiguity."""
-MOST_PAIRS = 4
+MOST_PAIRS = 6
 """The likeliest alternatives are enough to choose the next recording."""
 EXACT = 0.3
 """Structure left over, as a share of the noise, up to which an effect's law is adequate."""
@@ -127,7 +127,7 @@ def _figure(value: float) -> float:
     return float(f"{float(value):.6g}")
 
 
-def known_effects(exclude: Sequence[str] = ()) -> list[Effect]:
+def known_effects(exclude: Collection[str] = ()) -> list[Effect]:
     """Fresh instances of all registered effects but those excluded.
 
     Raises
@@ -142,7 +142,9 @@ def known_effects(exclude: Sequence[str] = ()) -> list[Effect]:
     return [registry.get(name)() for name in registry.ids() if name not in exclude]
 
 
-def diagnose(signals: Signals, model: Any | None = None, exclude: Sequence[str] = (), seed: int = 0) -> Diagnosis:
+def diagnose(
+    signals: Signals, model: Any | None = None, exclude: Collection[str] = (), seed: int = 0, fitted: bool = False
+) -> Diagnosis:
     """Diagnose the gap between a recording and its simulator.
 
     Parameters
@@ -151,10 +153,13 @@ def diagnose(signals: Signals, model: Any | None = None, exclude: Sequence[str] 
         Recordings and the simulator's outputs, see :func:`hystbench.diagnosis.inputs.read_inputs`.
     model : fitted model, optional
         The simulator itself, where it is at hand.
-    exclude : sequence of str
+    exclude : collection of str
         Effects that are not to be considered.
     seed : int
         For the bootstrap intervals.
+    fitted : bool
+        Whether the simulator was fitted to recordings of the same joint. Then its parameters are off by whatever they
+        took of an effect that it lacks: this is expected, not reported as a miscalibration beside effects.
 
     Raises
     ------
@@ -166,7 +171,7 @@ def diagnose(signals: Signals, model: Any | None = None, exclude: Sequence[str] 
         raise InputError("every effect is excluded; leave at least one")
     emulator = emulate(signals, model)
     scene = SimulatorScene(signals, emulator)
-    evidence = Evidence(scene)
+    evidence = Evidence(scene, fitted=fitted)
     found = search(Library(evidence, effects))
     choice = choose(evidence, found)
     floor = evidence.sigma

@@ -133,7 +133,6 @@ class Generalised:
 
     def __init__(self, signals: Signals) -> None:
         self.signals = signals
-        # About x = 0, where a spring has no torque: the change of a stiffness must not bring an offset with it.
         self.reach = max(float(np.max(np.abs(signals.x))), 1e-300)
         self.thresholds = np.geomspace(0.004, 0.8, ELEMENTS) * self.reach
         self.lengths = np.geomspace(0.01, 0.4, BRISTLES) * self.reach
@@ -186,17 +185,21 @@ class Generalised:
         wider, narrower = self._parts(x, 1.05)[1], self._parts(x, 0.95)[1]
         # An element that the sparse fit left out shares its neighbours' size: its parameters are unknown, not exact.
         weights = np.maximum(self.weights, 0.5 * np.convolve(self.weights, np.ones(3) / 3.0, mode="same"))
-        curve = elastic[:, 1:] * self.elastic[1:]
+        # A spring has no torque at rest, so neither has the change of a stiffness; a preload may be off by itself.
+        at_rest = np.polynomial.legendre.legvander(0.0, DEGREE)
+        preload = np.full((x.size, 1), float(at_rest[0] @ self.elastic))
+        sprung = elastic[:, 1:] - at_rest[:, 1:]
+        curve = sprung * self.elastic[1:]
         odd, even = curve[:, ::2].sum(axis=1), curve[:, 1::2].sum(axis=1)
         width = stops @ self.weights + placed @ self.placed
         size_odd, size_even = float(np.std(odd)), float(np.std(even))
-        legendre = elastic[:, 1:] / np.maximum(np.std(elastic[:, 1:], axis=0), 1e-300)
-        shapes = legendre * np.array([size_odd if k % 2 == 0 else size_even for k in range(DEGREE)]) * 0.4
+        unit = sprung / np.maximum(np.std(sprung, axis=0), 1e-300)
+        shapes = unit * np.array([size_odd if k % 2 == 0 else size_even for k in range(DEGREE)]) * 0.4
         small = 1e-3
         stretched = (self.predict((1.0 + small) * x) - self.predict((1.0 - small) * x)) / (2.0 * small)
         structure = np.hstack([stops * weights, (wider - narrower) * (weights / 0.1)])
         bulk = np.column_stack([
-            shapes, odd, even, width, stretched, self._rates() * self.rates,
+            shapes, odd, even, preload, width, placed * self.placed, stretched, self._rates() * self.rates,
         ])  # fmt: skip
         return structure, bulk
 

@@ -30,7 +30,11 @@ PLAUSIBILITY: dict[Scale, float] = {
 }  # fmt: skip
 """Relative errors (s, c) of the simulator's fine structure and of its bulk parameters, with the logarithm of their
 prior odds: a loop that is badly off in detail but exact in bulk is implausible, and so are errors beyond a tenth."""
-SCALES: tuple[Scale, ...] = tuple(PLAUSIBILITY)
+FITTED: dict[Scale, float] = {
+    (0.0, 0.0): 0.0, (0.02, 0.03): 0.0, (0.06, 0.1): 0.0,
+}  # fmt: skip
+"""The same for a model that was fitted to data with the effect: its parameters are off by whatever it took of it. With
+still more freedom the refit would take all of the effect again."""
 INADEQUACY = 0.04
 """No listed law is exact: what is left over within this share of the gap's RMS is not held against an effect."""
 ORDER = {INPUT: 0, TORQUE: 1, SENSOR: 2}
@@ -166,10 +170,21 @@ class Evidence:
         Samples that count (default: all).
     thinning : float
         Effective over actual number of samples (serial correlation).
+    fitted : bool
+        Whether the simulator was fitted to data that contain what it lacks.
     """
 
-    def __init__(self, scene: SimulatorScene, rows: NDArray[np.bool_] | None = None, thinning: float = 1.0) -> None:
+    def __init__(
+        self,
+        scene: SimulatorScene,
+        rows: NDArray[np.bool_] | None = None,
+        thinning: float = 1.0,
+        fitted: bool = False,
+    ) -> None:
         self.scene = scene
+        self.fitted = fitted
+        self.plausibility = FITTED if fitted else PLAUSIBILITY
+        self.scales = tuple(self.plausibility)
         self.thinning = thinning
         self.rows = np.ones(scene.torque.size, dtype=bool) if rows is None else rows
         self.gap = scene.signals.gap[self.rows]
@@ -183,7 +198,7 @@ class Evidence:
         factor = singular[kept, None] * right[kept]
         split = structure.shape[1]
         self._modes: dict[Scale, tuple[Floats, Floats]] = {}
-        for scale in SCALES:
+        for scale in self.scales:
             weighed = np.hstack([scale[0] * factor[:, :split], scale[1] * factor[:, split:]]) / self.sigma
             ratio, rotation = np.linalg.eigh(weighed @ weighed.T)
             self._modes[scale] = np.maximum(ratio, 0.0), rotation
@@ -212,7 +227,7 @@ class Evidence:
         """Logarithm of the evidence up to a constant; arrays of ``rss`` give arrays."""
         effective = self.thinning * self.size
         misfit = np.maximum(np.asarray(rss) / self.size, 1e-4 * self.sigma**2) + self.inadequacy
-        freedom = self.complexity(scale) - PLAUSIBILITY[scale]
+        freedom = self.complexity(scale) - self.plausibility[scale]
         return -0.5 * effective * np.log(misfit) - freedom - 0.5 * unknowns * np.log(max(effective, 3.0))
 
     def reduced(
@@ -242,8 +257,8 @@ class Evidence:
 
     # ---- fitting ---------------------------------------------------------------------------------------------------
 
-    def fit(self, terms: Sequence[Term], scales: Sequence[Scale] = SCALES) -> Hypothesis:
-        """Best coefficients and scale for given shapes."""
+    def fit(self, terms: Sequence[Term], scales: Sequence[Scale] = ()) -> Hypothesis:
+        """Best coefficients and scale (of ``scales``, by default of all) for given shapes."""
         ordered = tuple(sorted(terms, key=lambda term: ORDER[term.effect.acts_on]))
         lower = np.array([value for term in ordered for value in term.form.lower])
         upper = np.array([value for term in ordered for value in term.form.upper])
@@ -257,7 +272,7 @@ class Evidence:
             best, by_scale = None, {}
             chosen = columns[self.rows]
             products = chosen.T @ chosen, chosen.T @ self.gap, self.gap_energy, self.inside(chosen)
-            for scale in scales:
+            for scale in scales or self.scales:
                 gram, moment, energy = self.reduced(*products, scale)
                 beta, reduction = boxed_least_squares(gram[None], moment[None], lower, upper)
                 rss = max(energy - float(reduction[0]), 1e-12 * self.gap_energy)
@@ -270,7 +285,7 @@ class Evidence:
         assert best is not None
         return best
 
-    def refine(self, start: Hypothesis, evaluations: int = 10, scales: Sequence[Scale] = SCALES) -> Hypothesis:
+    def refine(self, start: Hypothesis, evaluations: int = 10, scales: Sequence[Scale] = ()) -> Hypothesis:
         """Move the shapes to their best values, coefficients profiled out; then choose again among ``scales``."""
         slots = [(i, j) for i, term in enumerate(start.terms) for j in range(len(term.shape))]
         if not slots:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..datasets.recording_files import DEFAULT_TIME, DEFAULT_X, write_recording
 from .diagnosis import Diagnosis
 from .emulation import SimulatorScene, emulate
-from .evidence import SCALES, Evidence, Hypothesis
+from .evidence import Evidence, Hypothesis
 from .signals import Signals
 from .verdict import MISCALIBRATION, TEMPERATURE, is_refitted
 
@@ -150,7 +150,7 @@ def _told_apart(found: Diagnosis, true: str, false: str, time: Floats, x: Floats
     evidence = Evidence(SimulatorScene(recorded, emulator))
     own = evidence.refine(evidence.fit(truth.terms)).score
     if rival is None:
-        against = evidence.fit((), tuple(scale for scale in SCALES if is_refitted(scale))).score
+        against = evidence.fit((), tuple(scale for scale in evidence.scales if is_refitted(scale))).score
     else:
         against = evidence.refine(evidence.fit(rival.terms)).score
     return TEMPERATURE * (own - against) > SETTLED

@@ -7,7 +7,9 @@ from dataclasses import replace
 from typing import Any
 
 from ..datasets.base import Dataset, Recording
+from . import registry
 from .diagnosis import Diagnosis, diagnose
+from .effects.base import SENSOR
 from .inputs import outputs_of, signals_from
 from .signals import Signals
 
@@ -34,7 +36,7 @@ def diagnose_model(model: Any, dataset: Dataset, *, seed: int = 0, exclude: Sequ
     InputError
         If the test recordings cannot be diagnosed, for instance because they are too short.
     """
-    return diagnose(gap_signals(model, dataset), model, exclude, seed)
+    return diagnose(gap_signals(model, dataset), model, {*_of_sensors(), *exclude}, seed, fitted=True)
 
 
 def gap_signals(model: Any, dataset: Dataset) -> Signals:
@@ -47,6 +49,11 @@ def gap_signals(model: Any, dataset: Dataset) -> Signals:
     cut = [output[recording.warm_up :] for output, recording in zip(outputs, dataset.test, strict=True)]
     signals = signals_from(scored, cut, [f"{dataset.id}: {recording.name}" for recording in dataset.test])
     return replace(signals, unit=dataset.y_unit)
+
+
+def _of_sensors() -> set[str]:
+    """Effects of the torque sensor: they are in the recordings to which the model was fitted as well."""
+    return {name for name in registry.ids() if registry.get(name).acts_on == SENSOR}
 
 
 def _scored(recording: Recording, without: set[str]) -> Recording:

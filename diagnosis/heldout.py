@@ -74,7 +74,7 @@ def held_out(evidence: Evidence, hypothesis: Hypothesis, evaluations: int = 4) -
     signal, recalibration = np.zeros(n), np.zeros(n)
     parts = {name: np.zeros(n) for name in hypothesis.names}
     for seen, out in _folds(evidence, _blocks(hypothesis.signal)):
-        part = Evidence(evidence.scene, seen, evidence.thinning)
+        part = Evidence(evidence.scene, seen, evidence.thinning, evidence.fitted)
         fitted = part.fit(hypothesis.terms, (hypothesis.scale,))
         if evaluations:
             fitted = part.refine(fitted, evaluations, (hypothesis.scale,))

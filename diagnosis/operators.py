@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["bristle", "lowpass", "plays"]
+__all__ = ["bristle", "clearance", "lowpass", "plays"]
 
 Floats = NDArray[np.float64]
 
@@ -42,6 +42,28 @@ def _lowpass(time, u, tau, out):
         ramp = (1.0 - decay) / q
         state = decay * state + (ramp - decay) * u[i - 1] + (1.0 - ramp) * u[i]
         out[i] = state
+
+
+@njit(cache=True)
+def _clearance(x, torque, half, out):
+    g = half if torque[0] > 0.0 else -half
+    out[0] = g
+    for i in range(1, x.size):
+        side = half if torque[i] > 0.0 else -half
+        if g != side:
+            g = min(max(g + x[i] - x[i - 1], -half), half)
+        out[i] = g
+
+
+def clearance(x: Floats, torque: Floats, half: float) -> Floats:
+    """Position within a clearance of ``half`` width in series with a joint, shape (n,), within ±half.
+
+    It lies at the side that the torque (n,) presses it to; once the torque has changed its sign the motion ``x`` (n,)
+    carries it across.
+    """
+    out = np.empty(x.size)
+    _clearance(np.ascontiguousarray(x), np.ascontiguousarray(torque), float(half), out)
+    return out
 
 
 def plays(x: Floats, thresholds: Floats) -> Floats:

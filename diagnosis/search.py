@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .effects.base import Effect
-from .evidence import SCALES, Evidence, Hypothesis, Scale, Term, boxed_least_squares, count_unknowns
+from .evidence import Evidence, Hypothesis, Scale, Term, boxed_least_squares, count_unknowns
 
 __all__ = ["Library", "search"]
 
@@ -129,8 +129,11 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
     up to ``most`` effects. The candidates of each size are refined with their shapes free.
     """
     evidence = library.evidence
+    if evidence.fitted:
+        # Beside a model that was fitted to the joint, the largest causes are asked for; a third only bends its law.
+        most = min(most, 2)
     found = [evidence.fit(())]
-    beam: list[tuple[tuple[int, ...], Sequence[Scale]]] = [((), SCALES)]
+    beam: list[tuple[tuple[int, ...], Sequence[Scale]]] = [((), evidence.scales)]
     for size in range(1, most + 1):
         sets: dict[frozenset[str], tuple[float, tuple[int, ...]]] = {}
         for base, scales in beam:
@@ -206,4 +209,5 @@ def _at_most(
 def _likely_scales(fitted: Hypothesis, count: int = 4) -> list[Scale]:
     """The scales of parameter errors worth trying with one more effect: its best, and those with the least refit."""
     ranked = sorted(fitted.by_scale, key=lambda scale: -fitted.by_scale[scale])[:count]
-    return [*ranked, *(scale for scale in ((0.005, 0.0), (0.01, 0.0), (0.02, 0.0)) if scale not in ranked)]
+    exact = [scale for scale in fitted.by_scale if scale[1] == 0.0 and 0.0 < scale[0] <= 0.02]
+    return [*ranked, *(scale for scale in exact if scale not in ranked)]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from .calibration import CONFIDENCE, confidence
 from .evidence import Evidence, Hypothesis, Scale
 from .heldout import HeldOut, held_out, structured_power
+from .signals import Signals
 
 __all__ = ["MISCALIBRATION", "UNKNOWN", "Choice", "choose", "effective_share"]
 
@@ -20,9 +21,16 @@ TEMPERATURE = 0.25
 """Share of the evidence that is trusted when alternatives are weighed: laws are never exact."""
 SAME_BY_EYE = 0.008
 """Evidence a sample that a slightly different law could reverse: such alternatives are stated as ambiguous."""
+SAME_WHERE_POOR = 0.04
+"""The same where all half cycles are alike."""
+ALIKE = 0.25
+"""Coefficient of variation of amplitudes and of mid-stroke speeds up to which half cycles are alike."""
 EFFECT_COST = 3.0
 """Logarithm of the prior odds against each further effect."""
 EFFECT_COST_REFITTED = 12.0
+COMPANY_COST = 0.03
+"""The same a sample, for effects beside others or beside a simulator that is off: a small misfit of one can always be
+patched by one more, however sure the improvement."""
 COINCIDENCE = 200.0
 """Logarithm of the odds against effects of 2.5 times the gap; it grows as the square beyond 1.25."""
 STANDS_IN = ("torque_gain",)
@@ -32,6 +40,8 @@ NEGLIGIBLE = 0.7
 """An effect smaller than this share of the noise is no gap beyond the noise."""
 WORTH = 0.04
 """Share of the gap's energy that an effect must close beside the others."""
+WORTH_FITTED = 0.1
+"""The same beside a model that was fitted to the joint: there the largest cause is asked for."""
 INDIFFERENT = 0.1
 """The same as a share of the noise's energy, whatever the gap."""
 CONTAINED = 0.002
@@ -40,6 +50,14 @@ RECALIBRATION_WORTH = 0.06
 """Share of the gap's energy that the refit must close to be called a miscalibration."""
 RECALIBRATION_SHARE = 0.15
 """Share of the gap's energy that the refit must close beside effects to be called a miscalibration in any case."""
+WIDENING = -0.5
+"""Effects that alone would close less than this only bend the refitted simulator."""
+INEXACT = 0.3
+"""Structure that an inexact law may leave, as a share of a gap of a hundred times the noise or more."""
+INEXACT_FITTED = 0.45
+"""The same for a model fitted to recorded data, whose own law is inexact too."""
+RECALIBRATION_SHARE_POOR = 0.3
+"""The same where all half cycles are alike: there the refit makes up for any law that is not quite exact."""
 FINE = 0.02
 """Relative error of the simulator's fine structure that is no miscalibration: no two models agree better."""
 
@@ -69,17 +87,21 @@ def is_refitted(scale: Scale) -> bool:
     return scale[1] > 0.0 or scale[0] > FINE
 
 
-def _prior(hypothesis: Hypothesis, gap: float) -> float:
+def _prior(evidence: Evidence, hypothesis: Hypothesis, gap: float) -> float:
     """Logarithm of the prior odds; minus infinity for an effect that is only a special case of itself."""
     if not hypothesis.terms:
         return 0.0
     if any(term.effect.is_degenerate(hypothesis.parameters(term.effect.id)) for term in hypothesis.terms):
         return -np.inf
     # Beside a simulator that is off in many ways, an effect may always stand in for one more of them.
-    refitted = is_refitted(hypothesis.scale)
+    refitted = is_refitted(hypothesis.scale) and not evidence.fitted
     cost = (EFFECT_COST_REFITTED if refitted else EFFECT_COST) * len(hypothesis.terms)
+    cost += _company(evidence) * (len(hypothesis.terms) - (0 if refitted else 1))
     cost += sum(float(np.log(term.laws)) for term in hypothesis.terms)
-    if hypothesis.scale[0] >= FINE and any(term.effect.id in STANDS_IN for term in hypothesis.terms):
+    if evidence.fitted:
+        return -cost
+    off = FINE if len(hypothesis.terms) == 1 else 0.5 * FINE
+    if hypothesis.scale[0] >= off and any(term.effect.id in STANDS_IN for term in hypothesis.terms):
         cost += STAND_IN
     # Effects and errors of the simulator that are each larger than the gap and cancel would be a coincidence.
     size = float(np.sqrt(np.mean(np.square(hypothesis.signal)))) / gap
@@ -92,46 +114,39 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     floor = evidence.sigma
     energy = max(float(np.mean(np.square(evidence.gap))) - floor**2, 1e-6 * floor**2)
     size = max(float(np.sqrt(np.mean(np.square(evidence.gap)))), floor)
-    priors = {id(h): _prior(h, size) for h in found}
+    priors = {id(h): _prior(evidence, h, size) for h in found}
     found = [h for h in found if np.isfinite(priors[id(h)])]
     ranked = sorted(found, key=lambda h: -(h.score + priors[id(h)]))
     best = _simplest(evidence, ranked, energy)
 
-    # Miscalibration: does the refit of bulk parameters close more than fine structure alone does?
-    fixed = evidence.fit(best.terms, tuple(scale for scale in best.by_scale if not is_refitted(scale)))
-    recalibration = evidence.absorbed(evidence.gap - best.signal[evidence.rows], best.scale)
-    misfit_fixed = _left_over(evidence, fixed)
-    misfit_refit = _left_over(evidence, best)
-    refit_gain = float(np.mean(np.square(misfit_fixed)) - np.mean(np.square(misfit_refit))) / energy
-    held = held_out(evidence, best)
-    if best.terms:
-        # What the refit closes of the gap, on unseen samples, and beyond what fine structure would close.
-        alone = float(np.mean(np.square(signals.gap - held.signal)))
-        together = float(np.mean(np.square(signals.gap - held.signal - held.recalibration)))
-        needed = alone - together > max(RECALIBRATION_SHARE * energy, 1.5 * floor**2)
-        miscalibrated = bool(needed or (is_refitted(best.scale) and refit_gain > RECALIBRATION_WORTH))
-    else:
-        # With no effect at all, what the refit takes is the gap.
-        miscalibrated = is_refitted(best.scale) or energy > floor**2
-    miscalibrated = miscalibrated and float(np.std(recalibration)) > NEGLIGIBLE * floor
+    refit = _judge_refit(evidence, best, energy)
+    blank = found[0]
+    own = best.score + _prior(evidence, best, size)
+    if best.terms and refit.miscalibrated and not evidence.fitted and own - blank.score < _company(evidence):
+        # The simulator is off in any case: an effect beside must be needed, not only welcome.
+        best, own = blank, blank.score
+        refit = _judge_refit(evidence, best, energy)
+    held, misfit_refit, miscalibrated = refit.held, refit.left, refit.miscalibrated
+    expected = evidence.fitted and bool(best.terms)
 
     after = signals.gap - held.signal - held.recalibration
     left = max(structured_power(after, signals.runs), 0.0)
     gap_power = max(structured_power(signals.gap, signals.runs), 1e-6 * floor**2)
     tempered = TEMPERATURE * effective_share(misfit_refit, signals.runs)
     scores = np.array([h.score + priors[id(h)] for h in ranked])
-    own = best.score + _prior(best, size)
     weights = np.exp(np.clip(tempered * (scores - scores.max()), -700.0, 0.0))
-    blank = max(h.score for h in found if not h.terms)
+    poor = _is_poor(signals)
+    near = (SAME_WHERE_POOR if poor else SAME_BY_EYE) * evidence.size
+    above_blank = own > blank.score + near
     posterior: dict[frozenset[str], float] = {}
     odds: dict[frozenset[str], float] = {}
     for hypothesis, weight, score in zip(ranked, weights / weights.sum(), scores, strict=True):
         posterior[hypothesis.names] = posterior.get(hypothesis.names, 0.0) + float(weight)
         against = float(np.exp(np.clip(tempered * (score - own), -700.0, 50.0)))
-        if hypothesis.terms and hypothesis.score < blank + 5.0:
+        if above_blank and hypothesis.terms and hypothesis.score < blank.score + 5.0:
             # What stands in for the verdict here is the refitted simulator, not this effect.
             against = 0.0
-        elif own - score < SAME_BY_EYE * evidence.size:
+        elif own - score < near:
             against = max(against, 0.1)
         odds[hypothesis.names] = max(odds.get(hypothesis.names, 0.0), against)
     others = [s for h, s in zip(ranked, scores, strict=True) if not h.names >= best.names and not h.names <= best.names]
@@ -140,27 +155,78 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         "left_to_noise": float(np.sqrt(left) / floor),
         "left_share": left / gap_power,
         "margin": float(own - max(others)) if others else 1e3,
-        "over_null": float(own - max(h.score for h in found if not h.terms)),
+        "over_null": float(own - blank.score),
         "effects": float(len(best.terms)),
-        "signal": float(np.std(best.signal) / floor),
-        "recalibrated": float(refit_gain),
-        "refitted": float(is_refitted(best.scale)),
+        "signal": float(np.sqrt(np.mean(np.square(best.signal))) / floor),
+        "recalibrated": refit.gain,
+        "refitted": float(is_refitted(best.scale) and not expected),
         "closed": 1.0
         - (float(np.mean(np.square(after if miscalibrated else signals.gap - held.signal))) - floor**2) / energy,
         "closed_alone": 1.0 - (float(np.mean(np.square(signals.gap - held.signal))) - floor**2) / energy,
         "in_sample_left": float(np.sqrt(max(structured_power(misfit_refit, signals.runs), 0.0)) / floor),
     }
     verdict = sorted(best.names, key=lambda name: -float(np.mean(np.square(best.part(name)))))
-    if miscalibrated:
+    if miscalibrated and not expected:
         verdict.append(MISCALIBRATION)
     if _nothing(best, miscalibrated, features, floor):
         verdict = []
-    elif _inadequate(features):
+    elif _inadequate(features, evidence.fitted) or (miscalibrated and not expected and _overstretched(evidence, best)):
         verdict = [UNKNOWN]
     return Choice(
         verdict, confidence(CONFIDENCE, verdict, features), best, held, miscalibrated, left / gap_power, features,
         posterior, odds, list(ranked), _recalibration_rivals(verdict, best, own, found, tempered),
     )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Refit:
+    """What refitting the simulator does beside a hypothesis."""
+
+    held: HeldOut
+    left: Floats
+    """What the hypothesis and the refitted simulator leave."""
+    gain: float
+    """Share of the gap's energy that errors of the bulk close beyond those of the fine structure."""
+    miscalibrated: bool
+
+
+def _judge_refit(evidence: Evidence, best: Hypothesis, energy: float) -> _Refit:
+    """Whether the simulator's bulk parameters are off: does their refit close more than fine structure alone does?"""
+    signals, floor = evidence.scene.signals, evidence.sigma
+    fixed = evidence.fit(best.terms, tuple(scale for scale in best.by_scale if not is_refitted(scale)))
+    recalibration = evidence.absorbed(evidence.gap - best.signal[evidence.rows], best.scale)
+    left = _left_over(evidence, best)
+    gain = float(np.mean(np.square(_left_over(evidence, fixed))) - np.mean(np.square(left))) / energy
+    held = held_out(evidence, best)
+    if best.terms:
+        # What the refit closes of the gap, on unseen samples, and beyond what fine structure would close.
+        alone = float(np.mean(np.square(signals.gap - held.signal)))
+        together = float(np.mean(np.square(signals.gap - held.signal - held.recalibration)))
+        share = RECALIBRATION_SHARE_POOR if _is_poor(signals) else RECALIBRATION_SHARE
+        needed = alone - together > max(share * energy, 1.5 * floor**2)
+        off = bool(needed or (is_refitted(best.scale) and gain > RECALIBRATION_WORTH))
+    else:
+        # With no effect at all, what the refit takes is the gap.
+        off = is_refitted(best.scale) or energy > floor**2
+    return _Refit(held, left, gain, off and float(np.std(recalibration)) > NEGLIGIBLE * floor)
+
+
+def _company(evidence: Evidence) -> float:
+    """Logarithm of the prior odds against an effect beside others or beside a simulator that is off."""
+    return COMPANY_COST * evidence.size
+
+
+def _is_poor(signals: Signals) -> bool:
+    """Whether all half cycles are alike, as in a single sine: one amplitude at one rate."""
+    whole = signals.amplitude > 0.05 * signals.reach
+    if not np.any(whole):
+        return True
+    amplitude = signals.amplitude[whole]
+    pace = np.abs(signals.speed[whole]) / amplitude
+    middle = signals.since_reversal[whole] > 0.7 * amplitude
+    middle &= signals.since_reversal[whole] < 1.3 * amplitude
+    spread = [float(np.std(v) / max(np.mean(v), 1e-300)) for v in (amplitude, pace[middle]) if v.size]
+    return max(spread) < ALIKE
 
 
 def effective_share(residual: Floats, runs: Sequence[slice], longest: int = 200) -> float:
@@ -200,24 +266,39 @@ def _nothing(best: Hypothesis, miscalibrated: bool, features: dict[str, float], 
     return not best.terms or float(np.sqrt(np.mean(np.square(best.signal)))) < NEGLIGIBLE * floor
 
 
-def _inadequate(features: dict[str, float]) -> bool:
+def _inadequate(features: dict[str, float], fitted: bool) -> bool:
     """Whether the best explanation leaves structure that neither noise nor an inexact law accounts for."""
-    if (
-        features["refitted"]
-        and features["gap"] > 3.0
-        and features["signal"] > 1.5 * features["gap"]
-        and features["closed_alone"] < 0.0
-    ):
-        # Effects that widen the gap until the simulator is bent to meet them explain nothing.
+    gap, refitted = features["gap"], features["refitted"] and features["effects"] > 0
+    # Effects that widen the gap until the simulator is bent to meet them explain nothing.
+    least = 0.0 if features["signal"] > 1.5 * gap else WIDENING
+    if refitted and gap > 3.0 and features["closed_alone"] < least:
         return True
-    return features["in_sample_left"] > forgiven(features["gap"]) or (
-        features["closed"] < 0.5 and features["gap"] > 1.2
+    return features["in_sample_left"] > forgiven(gap, bool(refitted), fitted) or (
+        features["closed"] < 0.5 and gap > 1.2
     )
 
 
-def forgiven(gap: float) -> float:
-    """Structure, over the noise, that an inexact law may leave of a gap of ``gap`` times the noise."""
-    return max(0.45 + 0.04 * gap, 0.09 * gap)
+def _overstretched(evidence: Evidence, best: Hypothesis) -> bool:
+    """Whether a miscalibration would have to be so large that it could imitate anything.
+
+    Where no effect stands beside it, a gap as large as such errors make is believed.
+    """
+    if best.scale != max(evidence.scales):
+        return False
+    made = 0.5 * best.scale[1] * float(np.std(evidence.scene.signals.y_sim))
+    return bool(best.terms) or float(np.std(evidence.gap)) < made
+
+
+def forgiven(gap: float, refitted: bool, fitted: bool = False) -> float:
+    """Structure, over the noise, that an inexact law may leave of a gap of ``gap`` times the noise.
+
+    Beside a refitted simulator less is forgiven, for its freedom imitates most. Where the gap is far above the noise,
+    no law of a textbook comes near the noise, and its share of the gap counts.
+    """
+    if fitted:
+        return max(0.3 + 0.045 * gap, INEXACT_FITTED * gap)
+    share = INEXACT * float(np.clip(np.log(max(gap, 1.0) / 16.0) / np.log(100.0 / 16.0), 0.0, 1.0))
+    return max(0.2 + 0.042 * gap if refitted else 0.3 + 0.045 * gap, share * gap)
 
 
 def _left_over(evidence: Evidence, hypothesis: Hypothesis) -> Floats:
@@ -231,6 +312,7 @@ def _simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) -
     Whether an effect alone is better than none is for the evidence to say; here only company is judged.
     """
     top = best = ranked[0]
+    worth = WORTH_FITTED if evidence.fitted else WORTH
     by_names: dict[frozenset[str], Hypothesis] = {}
     for hypothesis in ranked:
         by_names.setdefault(hypothesis.names, hypothesis)
@@ -252,7 +334,7 @@ def _simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) -
                 size = float(np.mean(np.square(best.part(name)))) / energy
                 smaller, loss = beside_same_simulator(best.names - {name})
                 if smaller is not None and (
-                    loss * energy < INDIFFERENT * evidence.sigma**2 or (loss < WORTH and size < 3.0 * WORTH)
+                    loss * energy < INDIFFERENT * evidence.sigma**2 or (loss < worth and size < 3.0 * worth)
                 ):
                     options.append((loss, smaller))
             for special in next(term.effect for term in best.terms if term.effect.id == name).contains:
