@@ -11,6 +11,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from .. import __version__
+from ..diagnosis.blind.scoring import CARRIED
 from ..files import write_text
 from .svg import COLOURS, MEASURED, STYLE, canvas, svg
 
@@ -91,7 +92,7 @@ def _reliability(bins: Sequence[Mapping[str, float]]) -> Markup:
 
 def _carried(rows: Sequence[Mapping[str, Any]]) -> Markup:
     """Closed share on another motion, found against predicted; empty if nothing was carried over."""
-    points = [(row["closed_predicted"], row["closed_found"]) for row in rows if row["closed_found"] is not None]
+    points = [row for row in rows if row["closed_found"] is not None]
     if not points:
         return Markup("")
     with mpl.rc_context(STYLE):
@@ -99,9 +100,11 @@ def _carried(rows: Sequence[Mapping[str, Any]]) -> Markup:
         axis = axes[0, 0]
         axis.fill_between([0, 1], [-0.1, 0.9], [0.1, 1.1], color=MEASURED, alpha=0.15, linewidth=0)
         axis.plot([0, 1], [0, 1], color=MEASURED, linewidth=0.8)
-        # What closes less than nothing is drawn at the lower edge.
-        axis.plot([p for p, _ in points], [max(f, -0.2) for _, f in points], color=COLOURS[0], marker="o", markersize=3,
-                  alpha=0.6, linestyle="")  # fmt: skip
+        for counted, fill in ((True, COLOURS[0]), (False, "none")):
+            shown = [row for row in points if (row["group"] in CARRIED) == counted]
+            # What closes less than nothing is drawn at the lower edge.
+            axis.plot([row["closed_predicted"] for row in shown], [max(row["closed_found"], -0.2) for row in shown],
+                      color=COLOURS[0], markerfacecolor=fill, marker="o", markersize=3, alpha=0.7, linestyle="")  # fmt: skip
         axis.set_xlabel("predicted")
         axis.set_ylabel("found")
         axis.set_xlim(0, 1.02)

@@ -11,13 +11,16 @@ from numpy.typing import NDArray
 
 from ..verdict import MISCALIBRATION
 
-__all__ = ["BINS", "expected_calibration_error", "is_right", "score", "settled", "wilson"]
+__all__ = ["BINS", "CARRIED", "expected_calibration_error", "is_right", "score", "settled", "wilson"]
 
 Floats = NDArray[np.float64]
 Pair = tuple[Mapping[str, Any], Mapping[str, Any]]
 BINS = 10
 RESAMPLES = 1000
 POOR = "a poor recording: one sine"
+CLEAR = ("one effect, gap/noise 4", "one effect, gap/noise 8", "one effect, gap/noise 16")
+CARRIED = (*CLEAR, "two effects")
+"""Groups whose named effects are carried over to another motion in the table."""
 WHERE: dict[str, tuple[str, ...]] = {
     "viscous_friction": ("speed",),
     "coulomb_friction": ("direction",),
@@ -191,13 +194,13 @@ def _table(pairs: Sequence[Pair], cost: Mapping[str, Any] | None) -> list[dict[s
     def of(*names: str) -> list[Pair]:
         return [(r, label) for r, label in pairs if label["group"] in names]
 
-    clear = of(*(f"one effect, gap/noise {ratio}" for ratio in ("4", "8", "16")))
+    clear = of(*CLEAR)
     faint = of("one effect, gap/noise 2")
     hidden = of("withheld from the registry", "outside the registry")
     correct = [(r, label) for r, label in clear + faint if right(r, label)]
     known = [(r, label) for r, label in pairs if label["truth"] != ["unknown"]]
     asked = [judged for r, label in known for judged in settled(r, label)]
-    carried = [r["carried"] for r, label in clear + of("two effects") if r["carried"] is not None]
+    carried = [r["carried"] for r, label in of(*CARRIED) if r["carried"] is not None]
     distance = [abs(r["closed"] - label["oracle_closed"]) for r, label in correct]
     share = [r["closed"] / label["oracle_closed"] for r, label in correct]
     stated = np.array([(r["confidence"], float(right(r, label))) for r, label in pairs]).reshape(-1, 2)
