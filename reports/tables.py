@@ -363,8 +363,8 @@ def diagnosis_table(run: RunDirectory, only: str | None = None) -> Table | None:
     return Table(
         "Diagnosis of each model's error on the test recordings"
         + (f" of {only}" if only else "")
-        + "; closed: the share of the squared error beyond the noise that the verdict explains on samples not fitted",
-        ["Model", *where, "Lacks", "Confidence", "Closed", "Where", "RMSE (noise)", "Known cause", "Agrees"],
+        + "; closed: the share of the squared error beyond the noise that the best explanation removes on samples not fitted",
+        ["Model", *where, "Lacks", "Known cause", "Agrees", "Confidence", "Closed", "Where", "RMSE (noise)"],
         rows,
     )
 
@@ -374,7 +374,7 @@ def _diagnosis_cells(entry: dict[str, Any]) -> list[Cell]:
     cause = Cell(words(known["effects"]), sort=words(known["effects"])) if known else Cell("–", sort="", muted=True)
     if found is None:
         blank = [Cell("–", muted=True)] * 4
-        return [Cell(str(entry["status"]), sort="", muted=True, note=str(entry["message"])), *blank, cause, blank[0]]
+        return [Cell(str(entry["status"]), sort="", muted=True, note=str(entry["message"])), cause, blank[0], *blank]
     verdict, gap = found["verdict"], found["gap"]
     lacks = words(verdict) if verdict else "nothing beyond the noise"
     where = Cell("–", sort="", muted=True)
@@ -391,12 +391,12 @@ def _diagnosis_cells(entry: dict[str, Any]) -> list[Cell]:
         agrees = Cell(answer, sort=answer)
     return [
         Cell(lacks, sort=lacks),
+        cause,
+        agrees,
         Cell(f"{found['confidence']:.0%}", sort=found["confidence"]),
         Cell(f"{found['closed']:.0%}", sort=found["closed"]) if verdict else Cell("–", muted=True),
         where,
         Cell(f"{number(gap['rmse'])} ({number(gap['noise_floor'], 2)}) {gap['unit']}", sort=gap["rmse"]),
-        cause,
-        agrees,
     ]
 
 
