@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import models
+from ..bench.arguments import time_argument
 from ..errors import InputError
 from ..models.base import HysteresisModel, Run, parameter_array, parameter_number
 from .diagnosis import Diagnosis
@@ -114,7 +115,10 @@ class CorrectedSimulator(HysteresisModel):
             self._base = lambda x: predict_generalised(inner, x, [slice(0, x.size)], *self._derivatives(x))
         else:
             model = models.get(base["model"]).from_parameters(**base["parameters"])
-            self._base = lambda x: np.asarray(model.predict(x))
+            interval = self.parameters_["interval"]
+            self._base = lambda x: np.asarray(
+                model.predict(x, **time_argument(model.predict, interval * np.arange(x.size, dtype=np.float64)))
+            )
         self._effects = [(registry.get(entry["effect"])(), entry) for entry in self.parameters_["effects"]]
 
     def _derivatives(self, x: Floats) -> tuple[Floats, Floats]:

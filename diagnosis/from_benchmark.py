@@ -15,6 +15,8 @@ from .signals import Signals
 
 __all__ = ["diagnose_model", "gap_signals"]
 
+ENCODER_ERRORS = ("deflection_offset", "encoder_eccentricity")
+
 
 def diagnose_model(model: Any, dataset: Dataset, *, seed: int = 0, exclude: Sequence[str] = ()) -> Diagnosis:
     """Diagnose what a model lacks that was fitted to a dataset's training recordings.
@@ -52,8 +54,8 @@ def gap_signals(model: Any, dataset: Dataset) -> Signals:
 
 
 def _of_sensors() -> set[str]:
-    """Effects of the torque sensor: they are in the recordings to which the model was fitted as well."""
-    return {name for name in registry.ids() if registry.get(name).acts_on == SENSOR}
+    """Errors of the sensors: they are in the recordings to which the model was fitted as well, so it does not lack them."""
+    return {*ENCODER_ERRORS, *(name for name in registry.ids() if registry.get(name).acts_on == SENSOR)}
 
 
 def _scored(recording: Recording, without: set[str]) -> Recording:

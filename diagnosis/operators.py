@@ -46,11 +46,10 @@ def _lowpass(time, u, tau, out):
 
 @njit(cache=True)
 def _clearance(x, torque, half, out):
-    g = half if torque[0] > 0.0 else -half
+    g = half * np.sign(torque[0])
     out[0] = g
     for i in range(1, x.size):
-        side = half if torque[i] > 0.0 else -half
-        if g != side:
+        if torque[i] == 0.0 or g != half * np.sign(torque[i]):
             g = min(max(g + x[i] - x[i - 1], -half), half)
         out[i] = g
 

@@ -38,6 +38,8 @@ STAND_IN = 35.0
 """Logarithm of the odds against these where the loop's fine structure is off too: then the simulator is to blame."""
 NEGLIGIBLE = 0.7
 """An effect smaller than this share of the noise is no gap beyond the noise."""
+SAME_JOINT = 0.006
+"""Neither is a gap of this share of the torque that is hardly above the noise and needs no effect."""
 WORTH = 0.04
 """Share of the gap's energy that an effect must close beside the others."""
 WORTH_FITTED = 0.1
@@ -168,7 +170,7 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     verdict = sorted(best.names, key=lambda name: -float(np.mean(np.square(best.part(name)))))
     if miscalibrated and not expected:
         verdict.append(MISCALIBRATION)
-    if _nothing(best, miscalibrated, features, floor):
+    if _nothing(evidence, best, miscalibrated, features):
         verdict = []
     elif _inadequate(features, evidence.fitted) or (miscalibrated and not expected and _overstretched(evidence, best)):
         verdict = [UNKNOWN]
@@ -260,7 +262,12 @@ def _recalibration_rivals(
     return []
 
 
-def _nothing(best: Hypothesis, miscalibrated: bool, features: dict[str, float], floor: float) -> bool:
+def _nothing(evidence: Evidence, best: Hypothesis, miscalibrated: bool, features: dict[str, float]) -> bool:
+    floor = evidence.sigma
+    if not best.terms and features["gap"] < 3.0:
+        # No two models of a joint agree better than this.
+        agree = float(np.std(evidence.gap)) < SAME_JOINT * float(np.std(evidence.scene.signals.y_real))
+        miscalibrated = miscalibrated and not agree
     if miscalibrated or features["in_sample_left"] > NEGLIGIBLE:
         return False
     return not best.terms or float(np.sqrt(np.mean(np.square(best.signal)))) < NEGLIGIBLE * floor

@@ -1,0 +1,169 @@
+"""Verdicts in hard cases: simulators that are off, poor recordings, other units, fitted models, recorded data."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from hystbench import datasets, models
+from hystbench.datasets import Dataset, DatasetUnavailableError, Recording, concatenate
+from hystbench.datasets.recording_files import write_recording
+from hystbench.diagnosis.diagnosis import diagnose
+from hystbench.diagnosis.from_benchmark import diagnose_model, gap_signals
+from hystbench.diagnosis.inputs import read_inputs
+from hystbench.diagnosis.known_causes import KNOWN_CAUSES, known_cause
+from hystbench.diagnosis.operators import clearance
+from hystbench.diagnosis.signals import Signals
+from hystbench.diagnosis.verdict import forgiven
+
+Floats = NDArray[np.float64]
+NOISE = 0.015
+
+
+def spring(x: Floats, up: float = 1.2, down: float = 0.7, stiffness: float = 4.0, friction: float = 0.3) -> Floats:
+    """A spring that hardens differently up and down, and elastic-plastic elements."""
+    out = stiffness * x + up * np.maximum(x, 0.0) ** 3 - down * np.maximum(-x, 0.0) ** 3
+    for share, reach in ((0.5, 0.03), (0.3, 0.1), (0.2, 0.25)):
+        force, last, limit = 0.0, 0.0, share * friction
+        for i, value in enumerate(x):
+            force = min(max(force + limit / reach * (value - last), -limit), limit)
+            last = value
+            out[i] += force
+    return out
+
+
+def rich_motion(size: int = 3000) -> tuple[Floats, Floats]:
+    time = np.arange(size) * 0.01
+    x = np.sin(2 * np.pi * 0.31 * time) * (0.5 + 0.3 * np.sin(2 * np.pi * 0.043 * time)) + 0.25 * np.sin(
+        2 * np.pi * 1.13 * time
+    )
+    return time, x * (1.0 - np.exp(-time / 0.5))
+
+
+def one_sine() -> tuple[Floats, Floats]:
+    time = np.arange(3000) * 0.01
+    return time, 0.8 * np.sin(2 * np.pi * 0.5 * time)
+
+
+def signals_of(time: Floats, x: Floats, y_real: Floats, y_sim: Floats, seed: int = 1) -> Signals:
+    noise = NOISE * np.random.default_rng(seed).standard_normal(x.size)
+    return Signals(time, x, y_real + noise, y_sim, [slice(0, x.size)], {})
+
+
+# ---- a simulator that is off -----------------------------------------------------------------------------------------
+
+
+def test_an_asymmetric_spring_that_is_off_brings_no_offset() -> None:
+    time, x = rich_motion()
+    found = diagnose(signals_of(time, x, spring(x), spring(x, 1.27, 0.66, 4.14, 0.29)))
+    assert found.verdict == ["miscalibration"]
+
+
+def test_an_effect_beside_a_simulator_that_is_off_is_named_with_it() -> None:
+    time, x = rich_motion()
+    y_real = spring(x) + 0.06 * np.gradient(x, time)
+    found = diagnose(signals_of(time, x, y_real, spring(x, 1.27, 0.66, 4.14, 0.29)))
+    assert set(found.verdict) - {"miscalibration"} == {"viscous_friction"}
+
+
+# ---- poor recordings, other units ------------------------------------------------------------------------------------
+
+
+def test_one_sine_cannot_tell_inertia_from_a_softer_spring_and_says_so() -> None:
+    time, x = one_sine()
+    acceleration = np.gradient(np.gradient(x, time), time)
+    found = diagnose(signals_of(time, x, spring(x) + 0.02 * acceleration, spring(x)))
+    stated = {name for pair in found.ambiguous for name in pair} | set(found.verdict)
+    assert "inertia" in stated
+    assert found.verdict != ["inertia"] or found.ambiguous
+
+
+@pytest.mark.parametrize(("length", "torque", "duration"), [(57.3, 1e-3, 1.0), (1e-3, 1e4, 0.05), (1.0, 1.0, 20.0)])
+def test_verdicts_do_not_depend_on_units(length: float, torque: float, duration: float) -> None:
+    time, x = rich_motion(2500)
+    played = x - np.clip(x, -0.01, 0.01)
+    base = signals_of(time, x, spring(played), spring(x))
+    scaled = Signals(duration * time, length * x, torque * base.y_real, torque * base.y_sim, base.runs, {})
+    found = diagnose(scaled)
+    assert found.verdict == ["backlash"]
+    (report,) = [effect for effect in found.effects if effect.name == "backlash"]
+    assert report.parameters["clearance"] / length == pytest.approx(0.02, rel=0.1)
+
+
+def test_less_is_forgiven_beside_a_refitted_simulator_and_more_where_the_gap_is_large() -> None:
+    assert forgiven(8.0, refitted=True) < forgiven(8.0, refitted=False) < 0.1 * 8.0
+    assert forgiven(500.0, refitted=False) == pytest.approx(0.3 * 500.0)
+
+
+def test_clearance_in_series_with_a_spring_is_a_dead_zone() -> None:
+    _, x = rich_motion()
+    inner = x - np.clip(x, -0.1, 0.1)
+    across = clearance(x, inner, 0.1)
+    away = np.abs(inner) > 0.02
+    assert np.allclose((x - across)[away], inner[away], atol=1e-9)
+    assert np.all(np.abs(across) <= 0.1)
+
+
+# ---- models as simulators --------------------------------------------------------------------------------------------
+
+
+def test_a_model_that_depends_on_rate_gets_the_recordings_times(tmp_path: Path) -> None:
+    time, x = rich_motion(1500)
+    model = models.get("lugre")().fit(x, spring(x) + 0.05 * np.gradient(x, time), time=time)
+    model.save(tmp_path / "model.json")
+    write_recording(tmp_path / "real.csv", {"time_s": time, "deflection_rad": x, "torque_nm": spring(x)})
+    signals, _ = read_inputs([tmp_path / "real.csv"], [tmp_path / "model.json"])
+    assert np.allclose(signals.y_sim, model.predict(x, time=time), rtol=1e-4, atol=1e-5)
+
+
+def _sines(rates: tuple[float, ...], amplitudes: tuple[float, ...]) -> list[Recording]:
+    made = []
+    for k, (rate, amplitude) in enumerate(zip(rates, amplitudes, strict=True)):
+        time = np.arange(1200) / 1200.0 * 6.0 / rate
+        x = amplitude * np.sin(2 * np.pi * rate * time)
+        y = spring(x, 0.0, 0.0) + 0.05 * np.gradient(x, time) + NOISE * np.random.default_rng(k).standard_normal(x.size)
+        made.append(Recording(f"{rate} Hz", time, x, y, warm_up=60, channels={"published_nm": y}))
+    return made
+
+
+def test_a_fitted_model_without_rate_lacks_viscous_friction() -> None:
+    data = Dataset(
+        "made", "made", _sines((0.1, 0.12), (0.8, 0.4)), _sines((0.1, 0.5, 2.0), (0.6, 0.8, 0.5)),
+        "other rates", "angle", "rad", "torque", "mN·m", "here", "CC0-1.0", 1e-6, NOISE,
+        references={"published": "published_nm"},
+    )  # fmt: skip
+    model = models.get("prandtl-ishlinskii")().fit(*concatenate(data.train))
+    seen = gap_signals(model, data)
+    assert seen.x.size == sum(r.x.size - r.warm_up for r in data.test)
+    assert not seen.channels
+    found = diagnose_model(model, data)
+    assert found.verdict == ["viscous_friction"]
+    assert found.document()["gap"]["unit"] == "mN·m"
+    assert diagnose_model(model, data, exclude=("viscous_friction",)).verdict != ["viscous_friction"]
+
+
+@pytest.mark.parametrize(
+    ("dataset", "model"), [("mr-damper", "prandtl-ishlinskii"), ("pneumatic-seal", "prandtl-ishlinskii")]
+)
+def test_the_known_cause_is_found_in_recorded_data(dataset: str, model: str) -> None:
+    try:
+        data = datasets.source(dataset).load()
+    except DatasetUnavailableError as reason:
+        pytest.skip(str(reason))
+    fitted = models.get(model)().fit(*concatenate(data.train))
+    cause = known_cause(fitted, dataset)
+    assert cause is not None
+    assert cause.agrees(diagnose_model(fitted, data).verdict)
+
+
+def test_known_causes_name_registered_datasets_models_and_effects() -> None:
+    from hystbench.diagnosis import registry
+
+    for dataset, cause in KNOWN_CAUSES.items():
+        assert dataset in datasets.ids()
+        assert cause.effects <= set(registry.ids())
+        assert cause.models <= set(models.ids())
+    assert known_cause(models.get("lugre"), "mr-damper") is None
