@@ -16,19 +16,19 @@ INPUTS = (
     "log margin", "left over", "left over of unknown", "small gap", "gain beside others", "widening", "closed beside",
 )  # fmt: skip
 CONFIDENCE: dict[str, float] = {
-    "bias": 3.8,
-    "no gap": 1.083,
-    "unknown": -4.972,
-    "miscalibration alone": -3.647,
-    "miscalibration beside": -1.434,
-    "further effects": -1.599,
-    "log margin": 1.285,
-    "left over": -3.308,
-    "left over of unknown": 1.895,
-    "small gap": 0.005,
-    "gain beside others": -1.55,
-    "closed beside": -1.591,
-    "widening": -0.547,
+    "bias": 2.292,
+    "no gap": 0.258,
+    "unknown": -4.214,
+    "miscalibration alone": -2.186,
+    "miscalibration beside": -1.22,
+    "further effects": -1.01,
+    "log margin": 1.218,
+    "left over": -2.946,
+    "left over of unknown": 1.723,
+    "small gap": 3.005,
+    "gain beside others": 1.136,
+    "closed beside": -0.079,
+    "widening": 0.668,
 }
 """Weight of each input."""
 
@@ -37,8 +37,8 @@ def inputs(verdict: Sequence[str], features: Mapping[str, float]) -> dict[str, f
     """What the confidence depends on, each of order one."""
     named = set(verdict) - {"miscalibration", "unknown"}
     unknown, nothing = list(verdict) == ["unknown"], not verdict
-    # Structure left over, in noise, against what grows with the gap as an inexact law's does.
-    left = min(features["in_sample_left"] / (0.45 + 0.04 * features["gap"]), 3.0)
+    # Structure left over, against what an inexact law may leave.
+    left = min(features["in_sample_left"] / features["forgiven"], 3.0)
     return {
         "bias": 1.0,
         "no gap": float(nothing),

@@ -189,6 +189,10 @@ def diagnose(
         notes.append(
             f"the simulator is emulated by {emulator.name}, error {100.0 * emulator.error:.2g} % of its output"
         )
+    if fitted:
+        notes.append(
+            "the confidence was calibrated on simulators that were not fitted to the joint: take it as a rank here"
+        )
     named = [name for name in choice.verdict if name not in (MISCALIBRATION, UNKNOWN)]
     return Diagnosis(
         signals=signals,
@@ -266,7 +270,7 @@ def _report(
     rmse, closed, interval = closed_share(signals.gap, signals.gap - held.parts[name], floor, seed)
     left = signals.gap - hypothesis.signal
     left = left - evidence.absorbed(left, hypothesis.scale)
-    exact = np.sqrt(max(structured_power(left, signals.runs), 0.0)) <= EXACT * floor
+    exact = np.sqrt(max(structured_power(left, signals.runs, signals.stride), 0.0)) <= EXACT * floor
     term = next(t for t in hypothesis.terms if t.effect.id == name)
     return EffectReport(
         name, float(np.clip(probability, 0.0, 1.0)), rmse, closed, interval, "adequate" if exact else "form inexact",

@@ -112,8 +112,10 @@ def closed_share(gap: Floats, after: Floats, floor: float, seed: int) -> tuple[f
     return float(np.sqrt(np.mean(np.square(after)))), everything, [low, high]
 
 
-def structured_power(series: Floats, runs: Sequence[slice], lags: tuple[int, ...] = (1, 2, 3)) -> float:
-    """Energy of ``series`` that lasts longer than a few samples: its mean lagged product, free of white noise."""
+def structured_power(series: Floats, runs: Sequence[slice], stride: int = 1) -> float:
+    """Energy of ``series`` that lasts longer than a few times ``stride`` samples: its mean lagged product, free of noise."""
+    shortest = min(run.stop - run.start for run in runs)
+    lags = [lag for k in (1, 2, 3) if (lag := k * stride) < shortest]
     total = sum(float(series[run][lag:] @ series[run][:-lag]) for run in runs for lag in lags)
     count = sum(run.stop - run.start - lag for run in runs for lag in lags)
     return total / max(count, 1)

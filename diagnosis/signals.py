@@ -23,6 +23,10 @@ Floats = NDArray[np.float64]
 COORDINATES = (
     "time", "position", "direction", "speed", "acceleration", "distance_since_reversal", "amplitude", "load", "travel",
 )  # fmt: skip
+APART = 0.05
+"""Radians of the motion's mean frequency between samples whose noise counts as independent."""
+FARTHEST = 3
+"""Samples; farther apart a hum would pass for noise."""
 WINDOWS = (5, 7, 9, 13, 17, 23, 31, 41, 55, 75)
 
 
@@ -60,11 +64,17 @@ class Signals:
     @cached_property
     def noise_floor(self) -> float:
         """Standard deviation of the white noise on the gap, N·m: what no simulator can close."""
-        levels = [noise_level(self.gap[run]) for run in self.runs]
-        sizes = [run.stop - run.start for run in self.runs]
-        measured = float(np.sqrt(np.average(np.square(levels), weights=sizes)))
+        parts = [self.gap[run][k :: self.stride] for run in self.runs for k in range(self.stride)]
+        sizes = [part.size for part in parts]
+        measured = float(np.sqrt(np.average(np.square([noise_level(part) for part in parts]), weights=sizes)))
         # A noise-free (synthetic) recording still has the resolution of its numbers.
         return max(measured, 1e-5 * float(np.std(self.y_real)), 1e-300)
+
+    @cached_property
+    def stride(self) -> int:
+        """Samples that lie apart as far as noise is told from structure: densely sampled noise is often filtered."""
+        fastest = float(np.sqrt(np.mean(np.square(self.speed)))) / max(float(np.std(self.smooth_x)), 1e-300)
+        return int(np.clip(APART / max(fastest * self.interval, 1e-300), 1, FARTHEST))
 
     @cached_property
     def interval(self) -> float:

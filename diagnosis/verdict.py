@@ -23,6 +23,10 @@ SAME_BY_EYE = 0.008
 """Evidence a sample that a slightly different law could reverse: such alternatives are stated as ambiguous."""
 SAME_WHERE_POOR = 0.04
 """The same where all half cycles are alike."""
+NEEDED = 0.3
+"""Evidence a sample by which an effect must be needed beside a simulator that is off by a tenth."""
+DOUBT = 0.25
+"""A cause less probable than this is not named."""
 ALIKE = 0.25
 """Coefficient of variation of amplitudes and of mid-stroke speeds up to which half cycles are alike."""
 EFFECT_COST = 3.0
@@ -132,8 +136,8 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     expected = evidence.fitted and bool(best.terms)
 
     after = signals.gap - held.signal - held.recalibration
-    left = max(structured_power(after, signals.runs), 0.0)
-    gap_power = max(structured_power(signals.gap, signals.runs), 1e-6 * floor**2)
+    left = max(structured_power(after, signals.runs, signals.stride), 0.0)
+    gap_power = max(structured_power(signals.gap, signals.runs, signals.stride), 1e-6 * floor**2)
     tempered = TEMPERATURE * effective_share(misfit_refit, signals.runs)
     scores = np.array([h.score + priors[id(h)] for h in ranked])
     weights = np.exp(np.clip(tempered * (scores - scores.max()), -700.0, 0.0))
@@ -165,17 +169,24 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         "closed": 1.0
         - (float(np.mean(np.square(after if miscalibrated else signals.gap - held.signal))) - floor**2) / energy,
         "closed_alone": 1.0 - (float(np.mean(np.square(signals.gap - held.signal))) - floor**2) / energy,
-        "in_sample_left": float(np.sqrt(max(structured_power(misfit_refit, signals.runs), 0.0)) / floor),
+        "in_sample_left": float(
+            np.sqrt(max(structured_power(misfit_refit, signals.runs, signals.stride), 0.0)) / floor
+        ),
     }
+    refitted = bool(features["refitted"] and best.terms)
+    features["forgiven"] = forgiven(features["gap"], refitted, evidence.fitted)
     verdict = sorted(best.names, key=lambda name: -float(np.mean(np.square(best.part(name)))))
     if miscalibrated and not expected:
         verdict.append(MISCALIBRATION)
     if _nothing(evidence, best, miscalibrated, features):
         verdict = []
-    elif _inadequate(features, evidence.fitted) or (miscalibrated and not expected and _overstretched(evidence, best)):
+    elif _inadequate(features) or (miscalibrated and not expected and _overstretched(evidence, best, features)):
         verdict = [UNKNOWN]
+    stated = confidence(CONFIDENCE, verdict, features)
+    if verdict and verdict != [UNKNOWN] and stated < DOUBT and not evidence.fitted:
+        verdict, stated = [UNKNOWN], 1.0 - stated
     return Choice(
-        verdict, confidence(CONFIDENCE, verdict, features), best, held, miscalibrated, left / gap_power, features,
+        verdict, stated, best, held, miscalibrated, left / gap_power, features,
         posterior, odds, list(ranked), _recalibration_rivals(verdict, best, own, found, tempered),
     )  # fmt: skip
 
@@ -273,27 +284,26 @@ def _nothing(evidence: Evidence, best: Hypothesis, miscalibrated: bool, features
     return not best.terms or float(np.sqrt(np.mean(np.square(best.signal)))) < NEGLIGIBLE * floor
 
 
-def _inadequate(features: dict[str, float], fitted: bool) -> bool:
+def _inadequate(features: dict[str, float]) -> bool:
     """Whether the best explanation leaves structure that neither noise nor an inexact law accounts for."""
     gap, refitted = features["gap"], features["refitted"] and features["effects"] > 0
     # Effects that widen the gap until the simulator is bent to meet them explain nothing.
     least = 0.0 if features["signal"] > 1.5 * gap else WIDENING
     if refitted and gap > 3.0 and features["closed_alone"] < least:
         return True
-    return features["in_sample_left"] > forgiven(gap, bool(refitted), fitted) or (
-        features["closed"] < 0.5 and gap > 1.2
-    )
+    return features["in_sample_left"] > features["forgiven"] or (features["closed"] < 0.5 and gap > 1.2)
 
 
-def _overstretched(evidence: Evidence, best: Hypothesis) -> bool:
+def _overstretched(evidence: Evidence, best: Hypothesis, features: dict[str, float]) -> bool:
     """Whether a miscalibration would have to be so large that it could imitate anything.
 
-    Where no effect stands beside it, a gap as large as such errors make is believed.
+    It is believed where the gap is as large as such errors make, and beside an effect without which much is left.
     """
     if best.scale != max(evidence.scales):
         return False
-    made = 0.5 * best.scale[1] * float(np.std(evidence.scene.signals.y_sim))
-    return bool(best.terms) or float(np.std(evidence.gap)) < made
+    if best.terms:
+        return features["over_null"] < NEEDED * evidence.size
+    return float(np.std(evidence.gap)) < 0.5 * best.scale[1] * float(np.std(evidence.scene.signals.y_sim))
 
 
 def forgiven(gap: float, refitted: bool, fitted: bool = False) -> float:
