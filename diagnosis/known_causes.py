@@ -33,10 +33,11 @@ class KnownCause:
         return not self.effects.isdisjoint(verdict)
 
 
+# With memory but without rate; a model without memory lacks friction of any kind first.
 _RATE_INDEPENDENT = frozenset({
-    "bouc-wen", "choi-backlash", "cubic", "elastic", "generalized-maxwell-slip", "linear", "maxwell-slip",
-    "modified-prandtl-ishlinskii", "prandtl-ishlinskii", "preisach",
+    "bouc-wen", "choi-backlash", "maxwell-slip", "modified-prandtl-ishlinskii", "prandtl-ishlinskii", "preisach",
 })  # fmt: skip
+_MEMORYLESS = frozenset({"cubic", "elastic", "linear"})
 
 KNOWN_CAUSES: Mapping[str, KnownCause] = MappingProxyType({
     "mr-damper": KnownCause(
@@ -47,7 +48,7 @@ KNOWN_CAUSES: Mapping[str, KnownCause] = MappingProxyType({
     ),
     "pneumatic-seal": KnownCause(
         frozenset({"load_dependent_friction"}),
-        _RATE_INDEPENDENT,
+        _RATE_INDEPENDENT | _MEMORYLESS | {"dahl", "lugre", "generalized-maxwell-slip", "duhem"},
         "Only the chamber pressure, the normal load on the seal, was varied between the recordings: 5.1, 8.9, 11.7 and "
         "15.0 N of friction at 1, 3, 5 and 7 bar. The models see the displacement alone.",
     ),
