@@ -140,21 +140,7 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     gap_power = max(structured_power(signals.gap, signals.runs, signals.stride), 1e-6 * floor**2)
     tempered = TEMPERATURE * effective_share(misfit_refit, signals.runs)
     scores = np.array([h.score + priors[id(h)] for h in ranked])
-    weights = np.exp(np.clip(tempered * (scores - scores.max()), -700.0, 0.0))
-    poor = _is_poor(signals)
-    near = (SAME_WHERE_POOR if poor else SAME_BY_EYE) * evidence.size
-    above_blank = own > blank.score + near
-    posterior: dict[frozenset[str], float] = {}
-    odds: dict[frozenset[str], float] = {}
-    for hypothesis, weight, score in zip(ranked, weights / weights.sum(), scores, strict=True):
-        posterior[hypothesis.names] = posterior.get(hypothesis.names, 0.0) + float(weight)
-        against = float(np.exp(np.clip(tempered * (score - own), -700.0, 50.0)))
-        if above_blank and hypothesis.terms and hypothesis.score < blank.score + 5.0:
-            # What stands in for the verdict here is the refitted simulator, not this effect.
-            against = 0.0
-        elif own - score < near:
-            against = max(against, 0.1)
-        odds[hypothesis.names] = max(odds.get(hypothesis.names, 0.0), against)
+    posterior, odds = _weigh(evidence, ranked, scores, own, blank, tempered)
     others = [s for h, s in zip(ranked, scores, strict=True) if not h.names >= best.names and not h.names <= best.names]
     features = {
         "gap": float(np.sqrt(energy) / floor),
@@ -189,6 +175,27 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         verdict, stated, best, held, miscalibrated, left / gap_power, features,
         posterior, odds, list(ranked), _recalibration_rivals(verdict, best, own, found, tempered),
     )  # fmt: skip
+
+
+def _weigh(
+    evidence: Evidence, ranked: Sequence[Hypothesis], scores: Floats, own: float, blank: Hypothesis, tempered: float
+) -> tuple[dict[frozenset[str], float], dict[frozenset[str], float]]:
+    """Probability of each set of effects, and its odds against the verdict, whose score is ``own``."""
+    weights = np.exp(np.clip(tempered * (scores - scores.max()), -700.0, 0.0))
+    near = (SAME_WHERE_POOR if _is_poor(evidence.scene.signals) else SAME_BY_EYE) * evidence.size
+    above_blank = own > blank.score + near
+    posterior: dict[frozenset[str], float] = {}
+    odds: dict[frozenset[str], float] = {}
+    for hypothesis, weight, score in zip(ranked, weights / weights.sum(), scores, strict=True):
+        posterior[hypothesis.names] = posterior.get(hypothesis.names, 0.0) + float(weight)
+        against = float(np.exp(np.clip(tempered * (score - own), -700.0, 50.0)))
+        if above_blank and hypothesis.terms and hypothesis.score < blank.score + 5.0:
+            # What stands in for the verdict here is the refitted simulator, not this effect.
+            against = 0.0
+        elif own - score < near:
+            against = max(against, 0.1)
+        odds[hypothesis.names] = max(odds.get(hypothesis.names, 0.0), against)
+    return posterior, odds
 
 
 @dataclass(frozen=True)
@@ -238,7 +245,7 @@ def _is_poor(signals: Signals) -> bool:
     pace = np.abs(signals.speed[whole]) / amplitude
     middle = signals.since_reversal[whole] > 0.7 * amplitude
     middle &= signals.since_reversal[whole] < 1.3 * amplitude
-    spread = [float(np.std(v) / max(np.mean(v), 1e-300)) for v in (amplitude, pace[middle]) if v.size]
+    spread = [float(np.std(v)) / max(float(np.mean(v)), 1e-300) for v in (amplitude, pace[middle]) if v.size]
     return max(spread) < ALIKE
 
 

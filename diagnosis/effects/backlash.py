@@ -31,8 +31,8 @@ def _series(scene: Scene, shape: tuple[float, ...]) -> Floats:
     # Where the torque passes zero depends on the clearance before it: a few rounds settle that.
     for _ in range(ROUNDS):
         torque = scene.torque + change
-        inner = s.x - s.per_run(lambda run, torque=torque: clearance(s.smooth_x[run], torque[run], half))
-        change = scene.torque_change(inner)
+        across = np.concatenate([clearance(s.smooth_x[run], torque[run], half) for run in s.runs])
+        change = scene.torque_change(s.x - across)
     return change[:, None]
 
 
