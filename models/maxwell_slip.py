@@ -74,7 +74,10 @@ def virtual_deformation(theta: ArrayLike, l1: float, l3: float, x0: float) -> Fl
 
 
 def _initial_state(capacity: int) -> Floats:
-    return np.zeros(_STACK + 2 * (capacity + 2))
+    # Setting the whole stack to zero would take as long as a prediction.
+    state = np.empty(_STACK + 2 * (capacity + 2))
+    state[:_STACK] = 0.0
+    return state
 
 
 @njit(cache=True)

@@ -253,8 +253,8 @@ class ModifiedPrandtlIshlinskii(HysteresisModel):
     # ---- evaluation ------------------------------------------------------------------------------------------------
 
     def _predict_run(self, x: Floats) -> Floats:
-        y = np.empty_like(x)
-        _map(self._play._predict_run(x), self._edges, self._values, y)
+        y = self._play._predict_run(x)
+        _map(y, self._edges, self._values, y)
         return y
 
     def stepper(self) -> KernelStepper:
@@ -267,9 +267,8 @@ class ModifiedPrandtlIshlinskii(HysteresisModel):
             return float(_curve(inner(x, state, params, commit), edges, values))
 
         def run(x: Floats, state: Floats, params: Any, out: Floats) -> None:
-            h = np.empty_like(x)
-            _run(x, state, params, h)
-            _map(h, edges, values, out)
+            _run(x, state, params, out)
+            _map(out, edges, values, out)
 
         return KernelStepper(kernel, play._initial_state, play._parameters, run)
 
