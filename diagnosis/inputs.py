@@ -21,6 +21,8 @@ from .signals import Signals
 __all__ = ["MINIMUM_SAMPLES", "outputs_of", "read_inputs", "signals_from"]
 
 Floats = NDArray[np.float64]
+BEYOND = 1e6
+"""Ratio of recorded and simulated torque that is a mistake, not a gap."""
 MINIMUM_SAMPLES = 200
 
 
@@ -113,6 +115,12 @@ def signals_from(recordings: Sequence[Recording], outputs: Sequence[Floats], nam
                 raise InputError(f"{name}: {label} is {values[bad[0]]} in row {bad[0] + 1}; remove such rows")
             if np.ptp(values) == 0.0:
                 raise InputError(f"{name}: the {label} is constant; nothing can be diagnosed from it")
+        sizes = float(np.max(np.abs(recording.y))), float(np.max(np.abs(output)))
+        if max(sizes) > BEYOND * min(sizes):
+            raise InputError(
+                f"{name}: the recorded torque reaches {sizes[0]:.4g}, the simulated one {sizes[1]:.4g}; "
+                "no effect accounts for that; check columns, units and the model's range"
+            )
         gap = recording.y - output
         scale = float(np.std(recording.y))
         if np.ptp(gap) <= 1e-12 * scale and np.max(np.abs(gap)) > 1e-9 * scale:

@@ -88,7 +88,9 @@ def _cost(name: str) -> list[str]:
         if not line.startswith("| ") or cells[0].split(",")[0] != name:
             continue
         if title.startswith(("Predicting", "Models without")):
-            rows.append(f"| predict, {title.removeprefix('Predicting ').split(' (')[0].split('C counterpart, ')[-1]} | {cells[0]} | {float(cells[1]):.3g} ms |")
+            rows.append(
+                f"| predict, {title.removeprefix('Predicting ').split(' (')[0].split('C counterpart, ')[-1]} | {cells[0]} | {float(cells[1]):.3g} ms |"
+            )
         elif title.startswith("One `stepper.step`"):
             rows.append(f"| one step from Python | {cells[0]} | {float(cells[3]) / 1e3:.2g} µs |")
         elif title == "Identification":

@@ -183,13 +183,13 @@ def closed_loops(
     """Vertices (segments + 1, 2) of the rising and the falling branch for every division that may serve."""
     low = min(rising[0].min(), falling[0].min())
     high = max(rising[0].max(), falling[0].max())
-    grids = []
+    grids: list[list[Floats]] = []
     for x, y in (rising, falling):
         divisions = fit_vertices(x, y, segments)
         for vertices in divisions:
             vertices[0], vertices[-1] = low, high
         grids.append(divisions)
-    return [_closed_loop(rising, falling, pair) for pair in itertools.product(*grids)]
+    return [_closed_loop(rising, falling, (first, second)) for first, second in itertools.product(grids[0], grids[1])]
 
 
 def _closed_loop(

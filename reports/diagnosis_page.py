@@ -27,9 +27,13 @@ __all__ = ["write_diagnosis"]
 
 UNITS = {
     "time": "s", "position": "rad", "direction": "", "speed": "rad/s", "acceleration": "rad/s²",
-    "distance_since_reversal": "rad", "amplitude": "rad", "load": "N·m", "travel": "rad",
+    "distance_since_reversal": "rad", "amplitude": "rad", "travel": "rad",
 }  # fmt: skip
 SHOWN_PLACES = 3
+
+
+def _unit(found: Diagnosis, coordinate: str) -> str:
+    return found.signals.unit if coordinate == "load" else UNITS.get(coordinate, "")
 
 
 def write_diagnosis(
@@ -52,12 +56,13 @@ def write_diagnosis(
         sentence=sentence(found),
         gap={"rmse": f"{found.rmse:.3g}", "noise_floor": f"{found.noise_floor:.3g}", "recalibration": _percent(found.closed_by_recalibration)},
         samples=found.signals.x.size,
+        unit=found.signals.unit,
         places=[
             {
                 "coordinate": p.coordinate.replace("_", " "),
                 "share": _percent(p.share),
                 "interval": f"{_percent(p.interval[0])} to {_percent(p.interval[1])}",
-                "range": f"{p.range[0]:.3g} to {p.range[1]:.3g} {UNITS.get(p.coordinate, '')}",
+                "range": f"{p.range[0]:.3g} to {p.range[1]:.3g} {_unit(found, p.coordinate)}",
             }
             for p in found.places
         ],
@@ -119,8 +124,8 @@ def _where_figures(found: Diagnosis) -> list[dict[str, Any]]:
         axis.add_collection(lines)
         axis.autoscale()
         axis.set_xlabel("deflection, rad")
-        axis.set_ylabel("recorded torque, N·m")
-        figure.colorbar(lines, ax=axis, label="gap, N·m")
+        axis.set_ylabel(f"recorded torque, {signals.unit}")
+        figure.colorbar(lines, ax=axis, label=f"gap, {signals.unit}")
         made.append({"svg": Markup(_svg(figure, "gap on the loop", "Recorded loop, coloured by the gap")),
                      "caption": "The gap (recording minus simulator) as colour on the recorded loop."})  # fmt: skip
         shown = [p for p in found.places if p.coordinate in signals.coordinates][:SHOWN_PLACES]
@@ -131,8 +136,8 @@ def _where_figures(found: Diagnosis) -> list[dict[str, Any]]:
                 axis.axhline(found.noise_floor, color=MEASURED, linewidth=0.8, linestyle="--")
                 axis.plot(centres, rms, color=COLOURS[1], linewidth=1.2, marker="o", markersize=2.5, label="RMS")
                 axis.plot(centres, means, color=COLOURS[0], linewidth=1.0, label="mean")
-                axis.set_xlabel(f"{place.coordinate.replace('_', ' ')} {UNITS.get(place.coordinate, '')}".strip())
-            axes.flat[0].set_ylabel("gap, N·m")
+                axis.set_xlabel(f"{place.coordinate.replace('_', ' ')} {_unit(found, place.coordinate)}".strip())
+            axes.flat[0].set_ylabel(f"gap, {signals.unit}")
             axes.flat[0].legend()
             made.append({"svg": Markup(_svg(figure, "gap over coordinates", "Gap over each leading coordinate")),
                          "caption": "Mean and RMS of the gap over each leading coordinate; dashed: the noise."})  # fmt: skip
@@ -151,7 +156,7 @@ def _closing_figures(found: Diagnosis) -> list[dict[str, Any]]:
             kept = _extremes(series)
             axis.plot(kept, series[kept], color=colour, linewidth=0.7, label=label)
         axis.set_xlabel("sample")
-        axis.set_ylabel("N·m")
+        axis.set_ylabel(signals.unit)
         axis.legend()
         made.append({"svg": Markup(_svg(figure, "gap over time", "Gap over time, and what is left of it")),
                      "caption": "The gap over time, and what is left once the verdict is added, on samples the fit never saw."})  # fmt: skip
@@ -162,7 +167,7 @@ def _closing_figures(found: Diagnosis) -> list[dict[str, Any]]:
         axis.axvline(found.noise_floor, color=INK, linewidth=0.8, linestyle="--")
         axis.set_yticks(range(len(names)), [names[0], *(f"+ {name}" for name in names[1:])])
         axis.invert_yaxis()
-        axis.set_xlabel("RMS of what is left, N·m (dashed: noise)")
+        axis.set_xlabel(f"RMS of what is left, {signals.unit} (dashed: noise)")
         made.append({"svg": Markup(_svg(figure, "waterfall", "Gap after each effect")),
                      "caption": "The gap after each effect, in the order in which they close most."})  # fmt: skip
     return made

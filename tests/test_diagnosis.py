@@ -259,6 +259,7 @@ def bad_inputs(folder: Path) -> dict[str, tuple[list[str], str]]:
         folder / "named.csv", {"time_s": recording.time, "channel": recording.x, "torque_nm": recording.y_sim}
     )
     write_recording(folder / "milli.csv", {**columns, "torque_nm": 1000.0 * recording.y_sim})
+    write_recording(folder / "huge.csv", {**columns, "torque_nm": 1e20 * recording.y_sim})
     return {
         "rows differ": ([str(real), "--sim", str(folder / "short.csv")], "2993 rows"),
         "time not shared": ([str(real), "--sim", str(folder / "late.csv")], "row 1 is at 5 s"),
@@ -266,6 +267,7 @@ def bad_inputs(folder: Path) -> dict[str, tuple[list[str], str]]:
         "constant": ([str(real), "--sim", str(folder / "still.csv")], "constant"),
         "wrong column": ([str(real), "--sim", str(folder / "named.csv")], "deflection_rad"),
         "millinewtons": ([str(real), "--sim", str(folder / "milli.csv")], "mN·m"),
+        "beyond reason": ([str(real), "--sim", str(folder / "huge.csv")], "no effect accounts for that"),
         "unknown effect": ([str(real), "--sim", str(sim), "--exclude", "viscos_friction"], "viscous_friction"),
         "missing file": ([str(folder / "none.csv"), "--sim", str(sim)], "no such file"),
         "two simulators": ([str(real), "--sim", str(sim), "--sim", str(sim)], "2 --sim files"),
@@ -281,6 +283,7 @@ def bad_inputs(folder: Path) -> dict[str, tuple[list[str], str]]:
         "constant",
         "wrong column",
         "millinewtons",
+        "beyond reason",
         "unknown effect",
         "missing file",
         "two simulators",
