@@ -26,7 +26,7 @@ def done(site: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, su
     folder = tmp_path_factory.mktemp("plugin-run")
     arguments = ("run", "--quick", "--datasets", "sample-loop", "--models", MODELS, "--out", "out")
     return folder / "out", hystbench(
-        *arguments, cwd=folder, site=site, HYSTBENCH_TIME_LIMIT="8", HYSTBENCH_MEMORY_LIMIT="0.1"
+        *arguments, cwd=folder, site=site, HYSTBENCH_TIME_LIMIT="8", HYSTBENCH_MEMORY_LIMIT="0.5"
     )
 
 
