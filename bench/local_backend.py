@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import threading
 import time
 import warnings
 from collections.abc import Iterable, Sequence
@@ -41,7 +42,18 @@ def worker_pool(size: int) -> Executor:
 
 
 def _stop(pool: Executor, *, kill: bool) -> None:
-    pool.shutdown(wait=True, kill_workers=kill)  # type: ignore[call-arg]  # loky's own argument
+    reported = threading.excepthook
+
+    def unless_killed(args: threading.ExceptHookArgs) -> None:
+        # Killed with errands in its queue, loky's thread may look up one that it has just dropped, and end by that.
+        if not (kill and args.exc_type is KeyError and args.thread and args.thread.name == "ExecutorManagerThread"):
+            reported(args)
+
+    threading.excepthook = unless_killed
+    try:
+        pool.shutdown(wait=True, kill_workers=kill)  # type: ignore[call-arg]  # loky's own argument
+    finally:
+        threading.excepthook = reported
 
 
 def compute_here(specs: Sequence[Errand], folder: Path, jobs: int) -> Iterable[dict[str, Any]]:
