@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from .. import __version__
 from ..diagnosis.blind.scoring import CARRIED
 from ..files import write_text
 from .svg import COLOURS, MEASURED, STYLE, canvas, svg
+from .templating import template
 
 __all__ = ["write_blind"]
 
@@ -30,15 +30,8 @@ def write_blind(scores: Mapping[str, Any], rows: Sequence[Mapping[str, Any]], ou
     rows : sequence of mapping
         The lines of ``cases.csv``.
     """
-    environment = Environment(
-        loader=PackageLoader("hystbench.reports"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     columns, matrix = _matrix(scores["confusion"])
-    page = environment.get_template("blind.html.j2").render(
+    page = template("blind.html.j2").render(
         version=__version__,
         **{key: scores[key] for key in ("run", "all", "calibration", "seconds", "cost", "plants", "effects")},
         table=[{**row, "shown": _figure(row["value"]), "interval": _interval(row)} for row in scores["table"]],

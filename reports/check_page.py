@@ -7,7 +7,6 @@ from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from .. import __version__
@@ -17,6 +16,7 @@ from ..datasets.inspection import Inspection, Loop, classes
 from ..files import write_text
 from ..models.motion import turning_points
 from .svg import COLOURS, DASHES, INK, MARKERS, MEASURED, STYLE, canvas, extremes, svg, thin
+from .templating import template
 
 __all__ = ["write_check_page"]
 
@@ -39,13 +39,6 @@ def write_check_page(
     columns : tuple of str
         Names of the input and the output column, for the axes.
     """
-    environment = Environment(
-        loader=PackageLoader("hystbench.reports"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     x_column, y_column = columns
     figures = [
         (
@@ -69,7 +62,7 @@ def write_check_page(
         figures.append(
             ("From loop to loop", changes, "Loops between the same inputs; a level line means nothing changes.")
         )
-    page = environment.get_template("check.html.j2").render(
+    page = template("check.html.j2").render(
         version=__version__,
         name=recording.name,
         columns=columns,

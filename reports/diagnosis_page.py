@@ -9,7 +9,6 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 from matplotlib.collections import LineCollection
 
@@ -22,6 +21,7 @@ from .svg import COLOURS, INK, MEASURED, STYLE
 from .svg import canvas as _figure
 from .svg import extremes as _extremes
 from .svg import svg as _svg
+from .templating import template
 
 __all__ = ["write_diagnosis"]
 
@@ -51,7 +51,7 @@ def write_diagnosis(
         write_text(out / "formula.txt", told + "\n")
         corrected_simulator(found, model).save(out / "corrected.json")
     write_text(out / "diagnosis.json", found.to_json())
-    page = _environment().get_template("diagnosis.html.j2").render(
+    page = template("diagnosis.html.j2").render(
         version=__version__,
         sentence=sentence(found),
         gap={"rmse": f"{found.rmse:.3g}", "noise_floor": f"{found.noise_floor:.3g}", "recalibration": _percent(found.closed_by_recalibration)},
@@ -93,16 +93,6 @@ def write_diagnosis(
     )  # fmt: skip
     write_text(out / "diagnosis.html", page)
     return found
-
-
-def _environment() -> Environment:
-    return Environment(
-        loader=PackageLoader("hystbench.reports"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
 
 
 def _percent(share: float) -> str:

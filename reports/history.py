@@ -12,7 +12,6 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 import pandas as pd
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 from numpy.typing import ArrayLike, NDArray
 
@@ -22,6 +21,7 @@ from ..files import replacing, write_text
 from .run_directory import RunDirectory, read_run
 from .svg import COLOURS, DASHES, INK, MARKERS, MEASURED, STYLE, Drawing, canvas
 from .tables import number
+from .templating import template
 
 __all__ = ["MEASURES", "Change", "change_points", "changes", "history_table", "write_history"]
 
@@ -222,14 +222,7 @@ def write_history(folders: Sequence[Path], out: Path) -> Path:
     sessions = [run.document.get("sessions") for run in runs]
     found = changes(table, sessions)
     drawings = [(m, _drawing(table, m, found, labels)) for m in MEASURES]
-    environment = Environment(
-        loader=PackageLoader("hystbench.reports"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    page = environment.get_template("history.html.j2").render(
+    page = template("history.html.j2").render(
         version=__version__,
         runs=[(label, run) for label, run in zip(labels, runs, strict=True)],
         changes=[

@@ -8,7 +8,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from .. import __version__
@@ -21,6 +20,7 @@ from .export import figure_makers, ranking_table, slug
 from .ranking import Ranking, rank_models
 from .run_directory import RunDirectory, read_run
 from .svg import Drawing
+from .templating import environment
 
 __all__ = ["render"]
 
@@ -36,16 +36,10 @@ def render(run_dir: str | Path) -> Path:
         If the folder holds no results.
     """
     run = read_run(Path(run_dir))
-    environment = Environment(
-        loader=PackageLoader("hystbench.reports"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    templates = environment()
     # A name as Python's shell takes it within double quotes, whatever is in it.
-    environment.filters["quoted"] = lambda name: re.sub(r'["$`]', lambda m: f"\\x{ord(m[0]):02x}", repr(name))
-    page = environment.get_template("report.html.j2").render(_context(run))
+    templates.filters["quoted"] = lambda name: re.sub(r'["$`]', lambda m: f"\\x{ord(m[0]):02x}", repr(name))
+    page = templates.get_template("report.html.j2").render(_context(run))
     target = run.path / "report.html"
     write_text(target, page)
     return target

@@ -11,10 +11,9 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
-from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
-
 from ... import __version__
 from ..tables import Cell, Table, number
+from ..templating import template
 from .audit import SEVERITIES
 from .dimensions import EQUATIONS
 from .figures import UNDETERMINED, PaperFigure
@@ -45,15 +44,8 @@ class Drawn:
 
 def render_page(results: Results, drawn: Sequence[Drawn]) -> str:
     """The page as HTML; it loads nothing from anywhere."""
-    environment = Environment(
-        loader=ChoiceLoader([PackageLoader("hystbench.reports.paper"), PackageLoader("hystbench.reports")]),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     by_severity = Counter(row.severity for row in results.audit)
-    return environment.get_template("paper.html.j2").render(
+    return template("paper.html.j2", "hystbench.reports.paper").render(
         version=__version__,
         date=_source_date(),
         papers=PAPERS,
