@@ -16,7 +16,8 @@ from scipy.stats import qmc
 
 from ..errors import InputError
 from .base import Condition, Floats, HysteresisModel, Run, parameter_number
-from .motion import auto_dead_band, settled_from, turning_points
+from .motion import settled_from
+from .separable import thinned
 from .stepping import KernelStepper
 
 __all__ = ["BoucWen"]
@@ -206,18 +207,18 @@ class BoucWen(HysteresisModel):
         lower, upper = LOWER.copy(), UPPER.copy()
         if self.n is not None:
             lower[2], upper[2] = self.n - 1e-12, self.n + 1e-12
-        thinned = _thin(scaled, GLOBAL_SAMPLES)
+        sparse = thinned(scaled, GLOBAL_SAMPLES)
         points = qmc.scale(qmc.Sobol(3, seed=self.seed).random(self.starts), lower, upper)
-        costs = [_cost(_residuals(point, thinned)) for point in points]
+        costs = [_cost(_residuals(point, sparse)) for point in points]
         best: Any = None
         # Very different parameters give nearly the same loop: refine the best few, keep the best of them.
         for k in np.argsort(costs, kind="stable")[:4]:
             found = least_squares(
-                _residuals, points[k], bounds=(lower, upper), x_scale=(1.0, 0.5, 0.5), ftol=1e-5, args=(thinned,)
+                _residuals, points[k], bounds=(lower, upper), x_scale=(1.0, 0.5, 0.5), ftol=1e-5, args=(sparse,)
             )
             if best is None or found.cost < best.cost:
                 best = found
-        if sum(run.x.size for run in scaled) > sum(run.x.size for run in thinned):
+        if sum(run.x.size for run in scaled) > sum(run.x.size for run in sparse):
             best = least_squares(_residuals, best.x, bounds=(lower, upper), x_scale=(1.0, 0.5, 0.5), args=(scaled,))
         else:
             best = least_squares(
@@ -352,15 +353,3 @@ def _residuals(point: Floats, runs: Sequence[Run]) -> Floats:
 
 def _cost(residuals: Floats) -> float:
     return float(residuals @ residuals)
-
-
-def _thin(runs: Sequence[Run], samples: int) -> list[Run]:
-    """The runs with about ``samples`` samples in all, every turning point kept: the state depends on them."""
-    stride = sum(run.x.size for run in runs) // samples
-    if stride <= 1:
-        return list(runs)
-    thinned = []
-    for run in runs:
-        kept = np.union1d(np.arange(0, run.x.size, stride), turning_points(run.x, auto_dead_band(run.x)))
-        thinned.append(Run(run.x[kept], run.y[kept]))
-    return thinned

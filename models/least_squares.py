@@ -63,13 +63,12 @@ def nonnegative(rows: Floats) -> Floats:
 def solve(design: Floats, target: Floats, bounded: NDArray[np.bool_]) -> Floats:
     """Least-squares coefficients, those marked ``bounded`` at least 0."""
     rows = reduced(np.column_stack([design[part], target[part]]) for part in blocks(target.size))
-    scale = np.linalg.norm(rows[:, :-1], axis=0)
-    scale[scale == 0.0] = 1.0
-    rows[:, :-1] /= scale
     if not np.any(bounded):
-        return np.linalg.lstsq(rows[:, :-1], rows[:, -1], rcond=1e-12)[0] / scale
+        scale = np.linalg.norm(rows[:, :-1], axis=0)
+        scale[scale == 0.0] = 1.0
+        return np.linalg.lstsq(rows[:, :-1] / scale, rows[:, -1], rcond=1e-12)[0] / scale
     free = ~bounded
     solution = nonnegative(np.hstack([rows[:, :-1], -rows[:, :-1][:, free], rows[:, -1:]]))
-    solution, opposite = solution[: scale.size], solution[scale.size :]
+    solution, opposite = solution[: bounded.size], solution[bounded.size :]
     solution[free] -= opposite
-    return solution / scale
+    return solution
