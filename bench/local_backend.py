@@ -15,11 +15,12 @@ from typing import Any
 from ..errors import InputError
 from .cells import Errand, fallback_cell, run_cell
 from .results import read_cells
+from .threads import LIBRARIES
 
 __all__ = ["compute_here", "run_guarded", "worker_pool"]
 
 # Numerical libraries would otherwise start a thread a core in every worker and slow each other down.
-THREADS = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL", "NUMBA")}
+THREADS = {f"{library}_NUM_THREADS": "1" for library in LIBRARIES}
 LARGEST_BATCH = 20
 IDLE = 60.0
 """Seconds after which an idle worker process ends."""

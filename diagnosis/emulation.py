@@ -12,6 +12,7 @@ loop width, scale of the deflection, rates), in which it differs only if it is b
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -23,6 +24,7 @@ from scipy.optimize import nnls
 from .. import models
 from ..bench.arguments import time_argument
 from ..errors import InputError
+from ..models.least_squares import blocks, reduced
 from .operators import bristle, plays
 from .signals import Signals, differentiate
 
@@ -248,8 +250,9 @@ def _solve(free: Floats, bounded: Floats, target: Floats) -> Floats:
     # with memory, so that what is elastic goes to the elastic curve and not to elements that hardly ever yield.
     strength = np.concatenate([np.full(free.shape[1], 1e-7), np.full(bounded.shape[1], BIAS)])
     ridge = np.diag(np.sqrt(strength * columns.shape[0]))
-    stacked = np.column_stack([np.vstack([columns, ridge]), np.concatenate([target, np.zeros(columns.shape[1])])])
-    triangle: Floats = np.asarray(np.linalg.qr(stacked, mode="r"))
+    padded = np.column_stack([ridge, np.zeros(columns.shape[1])])
+    measured = (np.column_stack([columns[part], target[part]]) for part in blocks(target.size))
+    triangle = reduced(itertools.chain([padded], measured))
     k = free.shape[1]
     matrix, wanted = triangle[:-1, :-1], triangle[:-1, -1]
     # The free unknowns come first in the triangle: below their rows only the bounded ones are left.
