@@ -16,6 +16,8 @@ Floats = NDArray[np.float64]
 
 
 def _block(x: ArrayLike) -> Floats:
+    if np.iscomplexobj(x):
+        raise InputError("a block of inputs must be real; it is complex")
     try:
         block = np.ascontiguousarray(x, dtype=np.float64)
     except (TypeError, ValueError):

@@ -50,7 +50,8 @@ def start(out: Path, **more: object) -> subprocess.Popen[str]:
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        **more,
+        # A shell's background job ignores SIGINT, and so would its children.
+        **{"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.SIG_DFL), **more},
     )  # type: ignore[call-overload]
 
 

@@ -59,7 +59,7 @@ def test_a_rate_dependent_model_takes_the_times_of_a_block() -> None:
     np.testing.assert_allclose(evenly, model.predict(x, time=0.01 * np.arange(400)), atol=1e-9)
 
 
-@pytest.mark.parametrize("block", [[[1.0, 2.0]], 1.0, [0.0, np.nan], ["a"], [1j]])
+@pytest.mark.parametrize("block", [[[1.0, 2.0]], 1.0, [0.0, np.nan], ["a"], [1j], np.array([1j])])
 def test_a_bad_block_is_told_in_one_line_and_moves_nothing(block: object) -> None:
     stepper = models.get("prandtl-ishlinskii").from_parameters(weights=[1.0, 0.5], thresholds=[0.0, 0.3]).stepper()
     stepper.step(0.4)
