@@ -28,7 +28,8 @@ from hystbench.diagnosis.blind.cases import (
 )
 from hystbench.diagnosis.blind.check import check, diagnose_blind, examine, seal, unseal
 from hystbench.diagnosis.blind.cost import growth
-from hystbench.diagnosis.blind.plants import EFFECTS, Case, make, plant_of
+from hystbench.diagnosis.blind.motions import MOTIONS
+from hystbench.diagnosis.blind.plants import EFFECTS, VARIED, Case, make, plant_of
 from hystbench.diagnosis.blind.scoring import (
     expected_calibration_error,
     is_right,
@@ -37,6 +38,8 @@ from hystbench.diagnosis.blind.scoring import (
     settled,
     wilson,
 )
+from hystbench.diagnosis.blind.varied_plant import LAWS, Law, VariedJoint
+from hystbench.diagnosis.blind.varied_plant import OUTSIDE as VARIED_OUTSIDE
 from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.signals import Signals
 from hystbench.errors import InputError
@@ -97,6 +100,42 @@ def test_a_plant_is_the_same_joint_along_another_motion(name: str) -> None:
     _, part = plant.joint.real(time[:half], x[:half], plant.sizes)
     # The last samples' derivatives know no later ones.
     assert part[:-5] == pytest.approx(whole[: half - 5], abs=1e-3 * float(np.std(whole)))
+
+
+def law_of(name: str, law: Law) -> tuple[VariedJoint, Floats, Floats]:
+    """A joint of the varied plant that follows the law, and the motion for which it was designed."""
+
+    def motion(reach: float) -> tuple[Floats, Floats]:
+        return MOTIONS["stairs"](np.random.default_rng(3), reach, 20.0, 100.0)
+
+    for seed in range(100):
+        joint = VariedJoint(seed, 0.0, motion)
+        if joint.law(name) is law:
+            return joint, *motion(joint.reach)
+    raise AssertionError(f"no joint draws {law.__name__}")
+
+
+LAWS_AND_OUTSIDE = [(name, law) for name, laws in LAWS.items() for law in laws] + list(VARIED_OUTSIDE.items())
+
+
+@pytest.mark.parametrize(("name", "law"), LAWS_AND_OUTSIDE, ids=lambda value: getattr(value, "__name__", value))
+def test_every_drawn_law_changes_what_is_recorded_and_more_the_larger_it_is(name: str, law: Law) -> None:
+    joint, time, x = law_of(name, law)
+    gaps = []
+    for size in (1.0, 3.0):
+        measured, torque = joint.real(time, x, {name: size})
+        assert np.all(np.isfinite(torque))
+        assert np.all(np.isfinite(measured))
+        again = joint.real(time, x, {name: size})
+        np.testing.assert_array_equal(torque, again[1])
+        none = joint.real(time, measured, {})[1]
+        gaps.append(float(np.sqrt(np.mean(np.square(torque - none)))))
+    assert 0.0 < gaps[0] < gaps[1]
+
+
+def test_banks_of_tuning_know_every_effect() -> None:
+    assert set(LAWS) == set(EFFECTS)
+    assert {name for case in bank([VARIED], 1, 500) for name in case.effects} >= {*LAWS, *VARIED_OUTSIDE}
 
 
 def base_torque(design: Any, time: Floats, x: Floats) -> Floats:

@@ -7,13 +7,13 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from . import plants
+from . import plants, varied_plant
 from .plant import BASE_ERROR, Case
-from .plants import MUJOCO, PLANTS
+from .plants import MUJOCO, PLANTS, VARIED
 
 __all__ = ["DEVELOPMENT_PLANTS", "TEST_PLANTS", "available", "bank", "effects_of", "group", "outside_of", "quick_part"]
 
-DEVELOPMENT_PLANTS = ("slip", "bouc-wen")
+DEVELOPMENT_PLANTS = ("slip", "bouc-wen", VARIED)
 """Every constant of the diagnosis was chosen on these."""
 TEST_PLANTS = ("asymmetric", MUJOCO)
 """Only these are reported."""
@@ -35,6 +35,8 @@ def effects_of(plant: str) -> tuple[str, ...]:
         from . import mujoco_plant
 
         return tuple(mujoco_plant.EFFECTS)
+    if plant == VARIED:
+        return tuple(varied_plant.LAWS)
     return tuple(plants.EFFECTS)
 
 
@@ -44,6 +46,8 @@ def outside_of(plant: str) -> tuple[str, ...]:
         from . import mujoco_plant
 
         return tuple(mujoco_plant.OUTSIDE)
+    if plant == VARIED:
+        return tuple(varied_plant.OUTSIDE)
     return tuple(plants.OUTSIDE)
 
 
@@ -54,7 +58,7 @@ def bank(names: Sequence[str], seeds: int, first_seed: int) -> list[Case]:
     the registry, pairs of effects, effects outside the registry, no effect at all, and a poor recording of
     each effect.
     """
-    assert set(names) <= {*PLANTS, MUJOCO}
+    assert set(names) <= {*PLANTS, MUJOCO, VARIED}
     cases: list[Case] = []
 
     def add(

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
+from scipy.ndimage import uniform_filter1d
+from scipy.signal import butter, sosfilt
 
 __all__ = ["MOTIONS"]
 
@@ -60,4 +62,32 @@ def _one_sine(rng: np.random.Generator, reach: float, seconds: float, rate: floa
     return time, reach * np.sin(2.0 * np.pi * 0.5 * time)
 
 
-MOTIONS = {"rich": _rich, "sweeps": _sweeps, "one sine": _one_sine}
+def _wander(rng: np.random.Generator, reach: float, seconds: float, rate: float) -> tuple[Floats, Floats]:
+    """Noise within a band, from rest."""
+    time = np.arange(int(seconds * rate)) / rate
+    band = butter(3, [0.05, rng.uniform(0.8, 2.0)], "bandpass", fs=rate, output="sos")
+    x = sosfilt(band, rng.standard_normal(time.size)) * (1.0 - np.exp(-time))
+    return time, reach * x / float(np.max(np.abs(x)))
+
+
+def _stairs(rng: np.random.Generator, reach: float, seconds: float, rate: float) -> tuple[Floats, Floats]:
+    """Triangles of rising and falling amplitude at three speeds, some of them held at their ends."""
+    time = np.arange(int(seconds * rate)) / rate
+    knots, values, at = [0.0], [0.0], 0.0
+    while at < seconds:
+        pace = reach * rng.choice([0.5, 1.2, 3.0])
+        for share in rng.permutation([0.2, 0.45, 0.7, 1.0])[:3]:
+            for side in (1.0, -1.0):
+                target = side * share * reach
+                at += abs(target - values[-1]) / pace
+                knots.append(at)
+                values.append(target)
+                if rng.random() < 0.2:
+                    at += rng.uniform(0.4, 1.5)
+                    knots.append(at)
+                    values.append(target)
+    x = uniform_filter1d(np.interp(time, knots, values), max(int(0.1 * rate), 3))
+    return time, x - x[0]
+
+
+MOTIONS = {"rich": _rich, "sweeps": _sweeps, "one sine": _one_sine, "wander": _wander, "stairs": _stairs}

@@ -5,8 +5,8 @@ candidates wherever another law is physical: Carreau instead of power-law viscos
 exponential presliding, an algebraic Stribeck curve of broken power, a spectrum of relaxation times, a heat balance, hyperbolic wear,
 an encoder that errs as a function of the true angle, rounded stops and limits.
 
-Two development plants (parallel slip elements; a Bouc-Wen ODE) and a test plant (an asymmetric, position-dependent slip
-plant with a hardening spring) keep tuning and reporting apart.
+Development plants (parallel slip elements; a Bouc-Wen ODE; joints whose laws are drawn anew, in ``varied_plant``) and a
+test plant (an asymmetric, position-dependent slip plant with a hardening spring) keep tuning and reporting apart.
 """
 
 from __future__ import annotations
@@ -22,12 +22,13 @@ from scipy.interpolate import CubicSpline
 
 from .motions import MOTIONS
 from .plant import Case, Joint, Made, Plant, sized
+from .varied_plant import VariedJoint
 
-__all__ = ["EFFECTS", "MUJOCO", "OUTSIDE", "PLANTS", "AnalyticJoint", "Case", "Made", "make", "plant_of"]
+__all__ = ["EFFECTS", "MUJOCO", "OUTSIDE", "PLANTS", "VARIED", "AnalyticJoint", "Case", "Made", "make", "plant_of"]
 
 Floats = NDArray[np.float64]
-MUJOCO = "mujoco"
-"""Name of the plant that is simulated by MuJoCo."""
+MUJOCO, VARIED = "mujoco", "varied"
+"""Names of the plants that are simulated by MuJoCo, and whose laws are drawn anew for each joint."""
 
 
 @njit(cache=True)
@@ -436,6 +437,8 @@ def joint_of(case: Case, seconds: float, rate: float) -> tuple[Joint, Floats, Fl
         from .mujoco_plant import MujocoJoint
 
         joint: Joint = MujocoJoint(case.seed, case.base_error, motion)
+    elif case.plant == VARIED:
+        joint = VariedJoint(case.seed, case.base_error, motion)
     else:
         joint = AnalyticJoint(case.plant, case.seed, case.base_error, motion)
     return joint, *motion(joint.reach)
