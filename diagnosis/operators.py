@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["bristle", "clearance", "lowpass", "plays"]
+__all__ = ["bristle", "clearance", "free_flight", "lowpass", "plays", "yielding"]
 
 Floats = NDArray[np.float64]
 
@@ -32,6 +32,16 @@ def _bristle(x, length, out):
 
 
 @njit(cache=True)
+def _yielding(x, level, length, out):
+    f = 0.0
+    for i in range(1, x.size):
+        moved = x[i] - x[i - 1]
+        towards = level[i] if moved > 0.0 else -level[i]
+        f = towards + (f - towards) * np.exp(-abs(moved) / (length * level[i]))
+        out[i] = f
+
+
+@njit(cache=True)
 def _lowpass(time, u, tau, out):
     state = u[0]
     out[0] = state
@@ -52,6 +62,46 @@ def _clearance(x, torque, half, out):
         if torque[i] == 0.0 or g != half * np.sign(torque[i]):
             g = min(max(g + x[i] - x[i - 1], -half), half)
         out[i] = g
+
+
+@njit(cache=True)
+def _free_flight(time, x, speed, torque, half, frequency, gap, free, hit):
+    side = 1.0 if torque[0] > 0.0 else -1.0
+    flying = torque[0] == 0.0
+    g = 0.0 if flying else side * half
+    since, start = 0.0, 0.0
+    gap[0], free[0], hit[0] = g, flying, 0.0
+    for i in range(1, x.size):
+        moved, dt = x[i] - x[i - 1], time[i] - time[i - 1]
+        hit[i] = 0.0
+        if not flying and torque[i] * side < 0.0 and moved * side < 0.0:
+            flying, since, start = True, 0.0, speed[i]
+        if flying:
+            load = start * (np.sin(frequency * (since + dt)) - np.sin(frequency * since)) / frequency
+            since += dt
+            g += moved - load
+            if abs(g) >= half:
+                side = 1.0 if g > 0.0 else -1.0
+                g = side * half
+                hit[i] = (speed[i] - start * np.cos(frequency * since)) / dt
+                flying = False
+        gap[i], free[i] = g, flying
+
+
+def free_flight(
+    time: Floats, x: Floats, speed: Floats, torque: Floats, half: float, frequency: float
+) -> tuple[Floats, Floats, Floats]:
+    """A sprung load that flies across a clearance of ±``half`` when its ``torque`` (n,) changes sign.
+
+    Between the flanks it swings at ``frequency`` (rad/s) about the place where it was left.
+
+    Returns the position within the clearance (n,), 1 where the load flies (n,), and the jump of the load's speed over
+    the sampling interval where it meets a flank (n,).
+    """
+    gap, free, hit = np.empty(x.size), np.empty(x.size), np.empty(x.size)
+    time, x, speed, torque = (np.ascontiguousarray(part) for part in (time, x, speed, torque))
+    _free_flight(time, x, speed, torque, float(half), float(frequency), gap, free, hit)
+    return gap, free, hit
 
 
 def clearance(x: Floats, torque: Floats, half: float) -> Floats:
@@ -76,6 +126,13 @@ def bristle(x: Floats, length: float) -> Floats:
     """Direction of motion that builds up over the distance ``length`` (Dahl's presliding), shape (n,), within ±1."""
     out = np.zeros(x.size)
     _bristle(np.ascontiguousarray(x), float(length), out)
+    return out
+
+
+def yielding(x: Floats, level: Floats, length: float) -> Floats:
+    """LuGre bristle of stiffness 1/``length`` over ``x`` (n,) that yields at ``level`` (n,), shape (n,)."""
+    out = np.zeros(x.size)
+    _yielding(np.ascontiguousarray(x), np.ascontiguousarray(level), float(length), out)
     return out
 
 

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..operators import clearance, plays
+from ..operators import clearance, free_flight, plays
 from .base import INPUT, Effect, Floats, Form, Parameter, Scene, geometric
 
 __all__ = ["Backlash"]
@@ -36,6 +36,21 @@ def _series(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return change[:, None]
 
 
+def _flight(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    s, (width, frequency) = scene.signals, shape
+    change = np.zeros_like(s.x)
+    for _ in range(ROUNDS):
+        torque = scene.torque + change
+        flown = [
+            free_flight(s.time[run], s.smooth_x[run], s.speed[run], torque[run], 0.5 * width, frequency)
+            for run in s.runs
+        ]
+        across, free, hit = (np.concatenate(parts) for parts in zip(*flown, strict=True))
+        change = scene.torque_change(s.x - across)
+    # Nothing loads the drive while the load flies.
+    return np.column_stack([np.where(free > 0.0, -scene.torque, change), hit])
+
+
 class Backlash(Effect):
     """Clearance: after a turn the input moves a way before the load follows."""
 
@@ -44,10 +59,17 @@ class Backlash(Effect):
     summary: ClassVar[str] = (
         "clearance that must be crossed after a turn, or around zero torque, before torque builds up"
     )
-    equation: ClassVar[str] = "x → play(x; b/2), x → x − clip(x, ±b/2), or x → x − g, g across ±b/2 where y passes zero"
+    equation: ClassVar[str] = (
+        "x → play(x; b/2), x → x − clip(x, ±b/2), or x → x − g, g across ±b/2 where y passes zero (at once, or a load of "
+        "inertia J that swings across and hits)"
+    )
     coordinate: ClassVar[str] = "distance_since_reversal"
     acts_on: ClassVar[str] = INPUT
-    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("clearance", "rad", 0.0, np.inf, "total width b"),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("clearance", "rad", 0.0, np.inf, "total width b"),
+        Parameter("load_inertia", "kg·m²", 0.0, np.inf, "J, of a load that hits the flanks"),
+        Parameter("load_frequency", "rad/s", 0.0, np.inf, "at which that load swings between them"),
+    )
     confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "sensor_delay", "miscalibration")
 
     def forms(self, scene: Scene) -> list[Form]:
@@ -59,4 +81,7 @@ class Backlash(Effect):
             Form("lost motion at turns", ("_unit",), _play, (1.0,), (1.0,), ("clearance",), grid, limits),
             Form("gap around zero", ("_unit",), _gap, (1.0,), (1.0,), ("clearance",), grid[2::2], limits),
             Form("gap at zero torque", ("_unit",), _series, (1.0,), (1.0,), ("clearance",), few, limits),
-        ]
+            Form("gap at zero torque, free flight", ("_unit", "load_inertia"), _flight, (1.0, 0.0), (1.0, np.inf),
+                 ("clearance", "load_frequency"), [(b, w) for (b,) in grid[3:11:2] for w in (40.0, 120.0, 400.0)],
+                 [*limits, (10.0, 3000.0)]),
+        ]  # fmt: skip

@@ -21,6 +21,7 @@ __all__ = [
     "PRESLIDING",
     "SENSOR",
     "TORQUE",
+    "Columns",
     "DirectionLaw",
     "Effect",
     "Form",
@@ -57,6 +58,9 @@ class Scene(Protocol):
         ...
 
 
+Columns = Callable[[Scene, tuple[float, ...]], Floats]
+
+
 @dataclass(frozen=True)
 class Form:
     """One law of an effect.
@@ -76,21 +80,21 @@ class Form:
         Bounds of each shape during refinement.
     columns : callable
         ``columns(scene, shape) -> (n, k)``.
-    refines : str
-        Name of a simpler form from whose fit this one starts, in place of a grid of its own.
+    refines : tuple of str
+        Names of simpler forms from whose fits this one starts, in place of a grid of its own.
     start : callable, optional
         ``start(shape, coefficients)`` of that fit gives this form's first shape; by default it is the same.
     """
 
     name: str
     coefficients: Sequence[str]
-    columns: Callable[[Scene, tuple[float, ...]], Floats]
+    columns: Columns
     lower: Sequence[float]
     upper: Sequence[float]
     shapes: Sequence[str] = ()
     grid: Sequence[tuple[float, ...]] = ((),)
     limits: Sequence[tuple[float, float]] = ()
-    refines: str = ""
+    refines: tuple[str, ...] = ()
     start: Callable[[tuple[float, ...], Floats], tuple[float, ...]] | None = None
 
 
@@ -145,7 +149,7 @@ def direction_laws(scene: Scene) -> list[DirectionLaw]:
         DirectionLaw("presliding", "presliding", Signals.bristle, lengths, distances),
         DirectionLaw("elastic presliding", "elastic_presliding", Signals.slipping, lengths, distances),
         DirectionLaw(
-            "regularised", "transition_speed", lambda s, w: np.tanh(s.speed / w), [0.01 * fast, 0.06 * fast],
+            "regularised", "transition_speed", lambda s, w: np.tanh(s.certain_speed / w), [0.01 * fast, 0.06 * fast],
             (0.002 * fast, 0.3 * fast),
         ),
     ]  # fmt: skip

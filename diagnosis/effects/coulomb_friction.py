@@ -16,6 +16,10 @@ def _columns(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
     return lambda scene, shape: law.signal(scene.signals, shape[0])[:, None]
 
 
+def _two_sliders(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return np.column_stack([scene.signals.slipping(length) for length in shape])
+
+
 class CoulombFriction(Effect):
     """Dry friction whose size depends on neither speed nor load."""
 
@@ -26,13 +30,23 @@ class CoulombFriction(Effect):
     coordinate: ClassVar[str] = "direction"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("friction", "N·m", 0.0, np.inf, "sliding friction"),
+        Parameter("friction_2", "N·m", 0.0, np.inf, "of a second contact that yields later"),
         *PRESLIDING,
+        Parameter("elastic_presliding_2", "rad", 0.0, np.inf, "of the second contact"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("miscalibration", "stribeck_friction", "load_dependent_friction")
 
     def forms(self, scene: Scene) -> list[Form]:
-        return [
+        laws = direction_laws(scene)
+        elastic = next(law for law in laws if law.parameter == "elastic_presliding")
+        made = [
             Form(law.name, ("friction",), _columns(law), (0.0,), (np.inf,), (law.parameter,),
                  [(value,) for value in law.grid], [law.limits])
-            for law in direction_laws(scene)
+            for law in laws
         ]  # fmt: skip
+        two = Form(
+            "two contacts", ("friction", "friction_2"), _two_sliders, (0.0, 0.0), (np.inf, np.inf),
+            ("elastic_presliding", "elastic_presliding_2"),
+            (), [elastic.limits] * 2, (elastic.name,), lambda shape, coefficients: (0.5 * shape[0], 2.0 * shape[0]),
+        )  # fmt: skip
+        return [*made, two]

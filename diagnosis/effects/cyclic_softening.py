@@ -22,24 +22,43 @@ def _hyperbolic(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return (-travel / (shape[0] + travel) * scene.torque)[:, None]
 
 
+def _power(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return (-(scene.signals.travel ** shape[0]) * scene.torque)[:, None]
+
+
+def _work(scene: Scene) -> Floats:
+    s = scene.signals
+    moved = s.per_run(lambda run: np.abs(np.diff(s.smooth_x[run], prepend=s.smooth_x[run][0])))
+    return s.per_run(lambda run: np.cumsum(np.abs(scene.torque[run]) * moved[run]))
+
+
+def _by_work(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return (-(1.0 - np.exp(-_work(scene) / shape[0])) * scene.torque)[:, None]
+
+
 class CyclicSoftening(Effect):
     """The Mullins effect of rubber, wear or damage: each cycle takes a little of the torque."""
 
     id: ClassVar[str] = "cyclic_softening"
     title: ClassVar[str] = "cyclic softening"
     summary: ClassVar[str] = "torque that falls with accumulated travel (Mullins effect, wear, damage)"
-    equation: ClassVar[str] = "y −= a w y_sim,  w = 1 − exp(−travel/L), travel/(L + travel) or travel"
+    equation: ClassVar[str] = (
+        "y −= a w y_sim,  w = 1 − exp(−travel/L), travel/(L + travel), travel, travel^p or 1 − exp(−∫|y dx|/W)"
+    )
     coordinate: ClassVar[str] = "travel"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("softening", "1 (1/rad where linear)", 0.0, 1.0, "relative loss in the limit, or per travel"),
+        Parameter("softening", "1 (1/rad^p for a power)", 0.0, np.inf, "relative loss in the limit, or per travel"),
         Parameter(
             "travel_constant", "rad", 0.0, np.inf, "travel after which 63 % (hyperbolic: half) of the loss has come"
         ),
+        Parameter("power", "1", 0.3, 0.95, "p of the travel"),
+        Parameter("work_constant", "J", 0.0, np.inf, "W, of the work ∫|y dx|"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("thermal_drift", "torque_gain")
 
     def forms(self, scene: Scene) -> list[Form]:
         total = float(scene.signals.travel.max())
+        work = max(float(_work(scene).max()), 1e-300)
         lengths = [(t,) for t in geometric(0.04 * total, 1.5 * total, 7)]
         # Softening that is over within a thirtieth of the recording could not be told from a gain.
         limits = [(0.03 * total, 3.0 * total)]
@@ -47,6 +66,10 @@ class CyclicSoftening(Effect):
             Form("linear", ("softening",), _columns, (0.0,), (1.0 / max(total, 1e-300),)),
             Form("exponential", ("softening",), _columns, (0.0,), (1.0,), ("travel_constant",), lengths,
                  limits),
+            Form("power of travel", ("softening",), _power, (0.0,), (np.inf,), ("power",), [(0.5,), (0.75,)],
+                 [(0.3, 0.95)]),
+            Form("by work", ("softening",), _by_work, (0.0,), (1.0,), ("work_constant",),
+                 [(share * work,) for share in (0.1, 0.4, 1.5)], [(0.03 * work, 3.0 * work)]),
             Form("hyperbolic", ("softening",), _hyperbolic, (0.0,), (1.0,), ("travel_constant",), lengths,
                  limits),
         ]  # fmt: skip

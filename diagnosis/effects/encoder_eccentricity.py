@@ -2,41 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
 
-from .base import INPUT, Effect, Floats, Form, Parameter, Scene, geometric
+from .base import INPUT, Columns, Effect, Floats, Form, Parameter, Scene, geometric
 
 __all__ = ["EncoderEccentricity"]
 
 
-def _columns(harmonics: int) -> Callable[[Scene, tuple[float, ...]], Floats]:
+def _waves(angle: Floats, homed: bool) -> tuple[Floats, Floats]:
+    """Sine and cosine; an encoder that is zeroed at home does not err there."""
+    return np.sin(angle), np.cos(angle) - float(homed)
+
+
+def _columns(harmonics: int, homed: bool = False) -> Columns:
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         x = scene.signals.x
         small = 1e-3 * scene.signals.reach
-        made = []
-        for k in range(1, harmonics + 1):
-            for wave in (np.sin(k * shape[0] * x), np.cos(k * shape[0] * x)):
-                made.append(scene.torque_change(x + small * wave) / small)
-        return np.column_stack(made)
+        waves = [wave for k in range(1, harmonics + 1) for wave in _waves(k * shape[0] * x, homed)]
+        return np.column_stack([scene.torque_change(x + small * wave) / small for wave in waves])
 
     return columns
 
 
-def _of_true_angle(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    periods, waves = shape[0], shape[1:]
-    x = scene.signals.x
-    true = x
-    # z = x + p sin(N z) + q cos(N z) + … is a contraction as long as the error is small against a period.
-    for _ in range(6):
-        error = np.zeros_like(x)
-        for k in range(len(waves) // 2):
-            angle = (k + 1) * periods * true
-            error += waves[2 * k] * np.sin(angle) + waves[2 * k + 1] * np.cos(angle)
-        true = x + error
-    return scene.torque_change(true)[:, None]
+def _of_true_angle(homed: bool = False) -> Columns:
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        periods, sizes = shape[0], shape[1:]
+        x = scene.signals.x
+        true = x
+        # z = x + p sin(N z) + q cos(N z) + … is a contraction as long as the error is small against a period.
+        for _ in range(6):
+            error = np.zeros_like(x)
+            for k in range(len(sizes) // 2):
+                sine, cosine = _waves((k + 1) * periods * true, homed)
+                error += sizes[2 * k] * sine + sizes[2 * k + 1] * cosine
+            true = x + error
+        return scene.torque_change(true)[:, None]
+
+    return columns
 
 
 def _from_sine(shape: tuple[float, ...], coefficients: Floats) -> tuple[float, ...]:
@@ -54,7 +58,7 @@ class EncoderEccentricity(Effect):
     title: ClassVar[str] = "encoder eccentricity"
     summary: ClassVar[str] = "periodic error of the deflection (eccentric disc, magnet or gear)"
     equation: ClassVar[str] = (
-        "x → z, z = x + p sin(N z) + q cos(N z) [+ p2 sin(2 N z) + q2 cos(2 N z)], or with x on the right for z"
+        "x → z, z = x + p sin(N z) + q cos(N z) [+ p2 sin(2 N z) + q2 cos(2 N z)] [− q − q2: zero at home], or with x on the right for z"
     )
     coordinate: ClassVar[str] = "position"
     acts_on: ClassVar[str] = INPUT
@@ -74,34 +78,20 @@ class EncoderEccentricity(Effect):
         grid = [(n,) for n in geometric(low, 12.0 * np.pi / reach, 36)]
         wide = 0.06 * reach
         names = ("error_sin", "error_cos", "error_sin_2", "error_cos_2")
-        return [
-            Form("sine", names[:2], _columns(1), (-wide,) * 2, (wide,) * 2, ("periods",), grid, [(low, high)]),
-            # The error is a function of the true angle: as one of the measured angle it has harmonics.
-            Form(
-                "sine of the true angle",
-                ("_unit",),
-                _of_true_angle,
-                (1.0,),
-                (1.0,),
-                ("periods", "error_sin", "error_cos"),
-                (),
-                [(low, high), (-wide, wide), (-wide, wide)],
-                "sine",
-                _from_sine,
-            ),
-            Form(
-                "two harmonics of the true angle",
-                ("_unit",),
-                _of_true_angle,
-                (1.0,),
-                (1.0,),
-                ("periods", *names),
-                (),
-                [(low, high), *[(-wide, wide)] * 4],
-                "sine",
-                _from_sine_twice,
-            ),
-            Form(
-                "two harmonics", names, _columns(2), (-wide,) * 4, (wide,) * 4, ("periods",), (), [(low, high)], "sine"
-            ),
-        ]
+        small = (-wide,) * 2, (wide,) * 2
+        unit = ("_unit",), (1.0,), (1.0,)
+        span, size = (low, high), (-wide, wide)
+        made = []
+        for homed, told in ((False, ""), (True, ", zero at home")):
+            sine = f"sine{told}"
+            made += [
+                Form(sine, names[:2], _columns(1, homed), *small, ("periods",), grid, [span]),
+                # The error is a function of the true angle: as one of the measured angle it has harmonics.
+                Form(f"sine of the true angle{told}", unit[0], _of_true_angle(homed), *unit[1:], ("periods", *names[:2]), (),
+                     [span, *[size] * 2], (sine,), _from_sine),
+                Form(f"two harmonics of the true angle{told}", unit[0], _of_true_angle(homed), *unit[1:],
+                     ("periods", *names), (), [span, *[size] * 4], (sine,), _from_sine_twice),
+                Form(f"two harmonics{told}", names, _columns(2, homed), (-wide,) * 4, (wide,) * 4, ("periods",), (), [span],
+                     (sine,)),
+            ]  # fmt: skip
+        return made

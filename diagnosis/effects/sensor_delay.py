@@ -19,13 +19,18 @@ def _lag(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return (scene.signals.lowpass(scene.torque, shape[0]) - scene.torque)[:, None]
 
 
+def _lag_twice(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    signals = scene.signals
+    return (signals.lowpass(signals.lowpass(scene.torque, shape[0]), shape[0]) - scene.torque)[:, None]
+
+
 class SensorDelay(Effect):
     """Torque is recorded later than deflection (positive) or earlier (negative: the encoder is late)."""
 
     id: ClassVar[str] = "sensor_delay"
     title: ClassVar[str] = "sensor delay"
     summary: ClassVar[str] = "torque and deflection recorded at different times (bus, filter, sampling)"
-    equation: ClassVar[str] = "y(t) = y_sim(t − τ), or τ dy/dt = y_sim − y"
+    equation: ClassVar[str] = "y(t) = y_sim(t − τ), or τ dy/dt = y_sim − y, once or twice"
     coordinate: ClassVar[str] = "speed"
     acts_on: ClassVar[str] = SENSOR
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -46,5 +51,7 @@ class SensorDelay(Effect):
             Form(
                 "early", ("_unit",), _delay, (1.0,), (1.0,), ("delay",), [(-t,) for t in grid], [(-high, -0.02 * step)]
             ),
+            Form("second-order filter", ("_unit",), _lag_twice, (1.0,), (1.0,), ("lag",), [(0.5 * t,) for t in grid[1::2]],
+                 [(0.02 * step, high)]),
             Form("filter", ("_unit",), _lag, (1.0,), (1.0,), ("lag",), [(t,) for t in grid], [(0.02 * step, high)]),
-        ]
+        ]  # fmt: skip

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import Effect, Floats, Form, Parameter, Scene
+from .base import Columns, Effect, Floats, Form, Parameter, Scene
 
 __all__ = ["StiffnessAsymmetry"]
 
@@ -43,24 +43,46 @@ def _both_torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return (scene.torque * np.sign(scene.signals.smooth_x))[:, None]
 
 
+def _rounded(side: float) -> Columns:
+    """The knee of one side (±1), or of both (0), is not sharp."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        x, width = scene.signals.smooth_x, shape[0]
+        if side == 0.0:
+            return (x * np.tanh(x / width))[:, None]
+        return (0.5 * x * (1.0 + side * np.tanh(x / width)))[:, None]
+
+    return columns
+
+
 class StiffnessAsymmetry(Effect):
     """Different stiffness for positive and negative deflection."""
 
     id: ClassVar[str] = "stiffness_asymmetry"
     title: ClassVar[str] = "stiffness asymmetry"
     summary: ClassVar[str] = "stiffer on one side than on the other (unequal springs, one-sided contact)"
-    equation: ClassVar[str] = "y += k max(±x, 0), k |x|, or g y_sim on one side or of opposite sign on both"
+    equation: ClassVar[str] = (
+        "y += k max(±x, 0), k |x| (sharp or rounded), or g y_sim on one side or of opposite sign on both"
+    )
     coordinate: ClassVar[str] = "position"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("extra_stiffness", "N·m/rad", -np.inf, np.inf, "added on one side"),
         Parameter("extra_gain", "1", -1.0, 1.0, "relative difference of one side"),
+        Parameter("knee", "rad", 0.0, np.inf, "width over which the stiffness changes"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("end_stop", "deflection_offset", "torque_gain")
 
     def forms(self, scene: Scene) -> list[Form]:
         free = (-np.inf,), (np.inf,)
         gain = (-1.0,), (1.0,)
+        reach = scene.signals.reach
+        rounded = [
+            Form(f"spring, {told}, rounded", ("extra_stiffness",), _rounded(side), *free, ("knee",), (),
+                 [(1e-3 * reach, 0.3 * reach)], (f"spring, {told}",), lambda shape, coefficients: (0.03 * reach,))
+            for side, told in ((1.0, "upper side"), (-1.0, "lower side"), (0.0, "both sides"))
+        ]  # fmt: skip
         return [
+            *rounded,
             Form("spring, upper side", ("extra_stiffness",), _spring, *free),
             Form("spring, lower side", ("extra_stiffness",), _spring_lower, *free),
             Form("spring, both sides", ("extra_stiffness",), _both, *free),

@@ -10,6 +10,9 @@ from .base import Effect, Floats, Form, Parameter, Scene, geometric
 
 __all__ = ["StressRelaxation"]
 
+QUICK = 0.25
+"""Radians of the motion's mean frequency within which a branch relaxes at least."""
+
 
 def _of_deflection(scene: Scene, shape: tuple[float, ...]) -> Floats:
     x = scene.signals.smooth_x
@@ -48,7 +51,10 @@ class StressRelaxation(Effect):
         s = scene.signals
         span = max(float(s.elapsed[run.stop - 1]) for run in s.runs)
         # What relaxes far more slowly than the recording moves is a spring.
-        low, high = 4.0 * s.interval, 0.25 * span
+        high = 0.25 * span
+        # A branch that follows the motion at once is a damper.
+        pace = float(np.std(s.smooth_x)) / max(float(np.std(s.speed)), 1e-300)
+        low = min(max(4.0 * s.interval, QUICK * pace), 0.2 * high)
         times = geometric(max(low, span / 1500.0), high, 10)
         free = (0.0,), (np.inf,)
         limits = (low, 1.2 * high)

@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from ..operators import yielding
 from .base import PRESLIDING, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws
 
 __all__ = ["StribeckFriction"]
@@ -35,13 +36,25 @@ def _columns(law: DirectionLaw, curve: Callable[[Floats], Floats]) -> Callable[[
     return columns
 
 
+def _bristle(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    signals = scene.signals
+    level = 1.0 + shape[2] * _gaussian(signals.speed / shape[0])
+    return signals.per_run(lambda run: yielding(signals.smooth_x[run], level[run], shape[1]))[:, None]
+
+
+def _from_curve(shape: tuple[float, ...], coefficients: Floats) -> tuple[float, ...]:
+    return (*shape, float(coefficients[1] / max(coefficients[0], 0.1 * coefficients[1], 1e-300)))
+
+
 class StribeckFriction(Effect):
     """Boundary lubrication at low speed gives way to a fluid film: friction falls as speed rises."""
 
     id: ClassVar[str] = "stribeck_friction"
     title: ClassVar[str] = "Stribeck friction"
     summary: ClassVar[str] = "dry friction that falls with speed from breakaway to sliding (stick-slip, hunting)"
-    equation: ClassVar[str] = "y += [F + S exp(−(|v| / w)^p)] s, p = 1 or 2; or [F + S / (1 + (v / w)²)] s"
+    equation: ClassVar[str] = (
+        "y += [F + S exp(−(|v| / w)^p)] s, p = 1 or 2; [F + S / (1 + (v / w)²)] s; or LuGre: ℓ df/dx = ±1 − f / (1 + S/F exp(−(v / w)²))"
+    )
     coordinate: ClassVar[str] = "speed"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("friction", "N·m", 0.0, np.inf, "sliding friction at high speed"),
@@ -49,21 +62,32 @@ class StribeckFriction(Effect):
         Parameter(
             "stribeck_speed", "rad/s", 0.0, np.inf, "speed at which the excess has fallen to 1/e (Hess-Soom: to half)"
         ),
+        Parameter("excess_ratio", "1", 0.0, np.inf, "S over F (LuGre)"),
         *PRESLIDING,
     )
     confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "viscous_friction")
     contains: ClassVar[tuple[str, ...]] = ("coulomb_friction",)
 
     def is_degenerate(self, parameters: dict[str, float]) -> bool:
-        return parameters["breakaway_excess"] < 0.08 * parameters["friction"]
+        excess = parameters.get("excess_ratio", parameters.get("breakaway_excess", 0.0))
+        return excess < 0.08 * (1.0 if "excess_ratio" in parameters else parameters["friction"])
 
     def forms(self, scene: Scene) -> list[Form]:
         fast = float(np.sqrt(np.mean(np.square(scene.signals.speed))))
         speeds = [0.06 * fast, 0.15 * fast, 0.4 * fast, 1.0 * fast]
-        return [
+        laws = direction_laws(scene)
+        made = [
             Form(f"{told}, {law.name}", ("friction", "breakaway_excess"), _columns(law, curve), (0.0, 0.0),
                  (np.inf, np.inf), ("stribeck_speed", law.parameter), [(w, d) for w in speeds for d in law.grid[:2]],
                  [(0.02 * fast, 2.0 * fast), law.limits])
             for told, curve in CURVES
-            for law in direction_laws(scene)
+            for law in laws
         ]  # fmt: skip
+        # The bristle of LuGre follows the Stribeck curve by its own dynamics (Canudas de Wit et al. 1995).
+        lugre = Form(
+            "LuGre", ("friction",), _bristle, (0.0,), (np.inf,), ("stribeck_speed", "presliding", "excess_ratio"),
+            (),
+            [(0.02 * fast, 2.0 * fast), laws[0].limits, (0.01, 10.0)],
+            tuple(f"{CURVES[0][0]}, {law.name}" for law in laws[:2]), _from_curve,
+        )  # fmt: skip
+        return [*made, lugre]

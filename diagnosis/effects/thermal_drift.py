@@ -34,6 +34,10 @@ def _self_heating(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return warm[:, None]
 
 
+def _stiffness_self_heating(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return _self_heating(scene, shape) * scene.torque[:, None]
+
+
 def _channel(name: str, stiffness: bool) -> Callable[[Scene, tuple[float, ...]], Floats]:
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         rise = scene.signals.channels[name] - scene.signals.channels[name][0]
@@ -68,6 +72,15 @@ class ThermalDrift(Effect):
             Form("zero, linear", ("zero_drift",), _zero, *free),
             Form("zero, exponential", ("zero_drift",), _zero, *free, ("time_constant",), times, limits),
             Form("zero, self-heating", ("zero_drift",), _self_heating, *free, ("time_constant",), times[1::2], limits),
+            Form(
+                "stiffness, self-heating",
+                ("stiffness_drift",),
+                _stiffness_self_heating,
+                *free,
+                ("time_constant",),
+                times[1::2],
+                limits,
+            ),
             Form("stiffness, linear", ("stiffness_drift",), _stiffness, *free),
             Form("stiffness, exponential", ("stiffness_drift",), _stiffness, *free, ("time_constant",), times, limits),
         ]
