@@ -12,7 +12,8 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import savgol_filter
+from scipy.ndimage import binary_dilation, median_filter
+from scipy.signal import savgol_coeffs, savgol_filter
 
 from ..models.motion import directions, noise_level, turning_points
 from .operators import bristle, lowpass, plays
@@ -27,6 +28,10 @@ APART = 0.05
 """Radians of the motion's mean frequency between samples whose noise counts as independent."""
 FARTHEST = 3
 """Samples; farther apart a hum would pass for noise."""
+KNOCK, KNOCK_SAMPLES, MOST_KNOCKS = 6.0, 4, 0.35
+"""How far a knock leaves the running median (noise levels), how long it lasts at most, and the most of a recording."""
+CERTAIN = 2.5
+"""Standard deviations of the speed's noise below which there may be no motion at all."""
 WINDOWS = (5, 7, 9, 13, 17, 23, 31, 41, 55, 75)
 
 
@@ -77,6 +82,21 @@ class Signals:
         return int(np.clip(APART / max(fastest * self.interval, 1e-300), 1, FARTHEST))
 
     @cached_property
+    def knocks(self) -> NDArray[np.bool_]:
+        """Samples about moments that no smooth law explains: flanks that meet, a stop that is hit, an outlier; shape (n,).
+
+        There the gap leaves its running median far beyond the noise. Where more than a third of the samples would be
+        left out, none are: then the gap is rough by itself.
+        """
+        wide = 2 * KNOCK_SAMPLES * self.stride + 1
+        about = np.zeros(self.gap.size, dtype=bool)
+        for run in self.runs:
+            away = self.gap[run] - median_filter(self.gap[run], min(wide, run.stop - run.start))
+            found = np.abs(away) > KNOCK * self.noise_floor
+            about[run] = binary_dilation(found, iterations=(KNOCK_SAMPLES - 1) * self.stride)
+        return about if np.mean(about) <= MOST_KNOCKS else np.zeros_like(about)
+
+    @cached_property
     def interval(self) -> float:
         """Median time between samples, s."""
         return float(np.median(np.concatenate([np.diff(self.time[run]) for run in self.runs])))
@@ -101,6 +121,22 @@ class Signals:
     def speed(self) -> Floats:
         """dx/dt, rad/s."""
         return self._motion[1]
+
+    @cached_property
+    def certain_speed(self) -> Floats:
+        """dx/dt less what the deflection's noise may have made of it, rad/s: rest is rest, and no creeping to and fro."""
+        noise = np.empty_like(self.x)
+        for run in self.runs:
+            level = noise_level(self.x[run])
+            coefficients = savgol_coeffs(_window(self.x[run], level), 3, deriv=1, delta=self.interval)
+            noise[run] = level * float(np.linalg.norm(coefficients))
+        # Away from rest hardly anything is taken off.
+        size = np.abs(self.speed)
+        certain = size > CERTAIN * noise
+        left = np.sqrt(np.square(size[certain]) - np.square(CERTAIN * noise[certain]))
+        speed = np.zeros_like(size)
+        speed[certain] = np.sign(self.speed[certain]) * left
+        return speed
 
     @property
     def acceleration(self) -> Floats:
@@ -183,14 +219,8 @@ class Signals:
         return self.per_run(lambda run: self.time[run] - self.time[run][0])
 
 
-def differentiate(time: Floats, x: Floats) -> tuple[Floats, Floats, Floats]:
-    """Smoothed deflection and its first two derivatives."""
-    steps = np.diff(time)
-    step = float(np.median(steps))
-    uniform = bool(np.all(np.abs(steps - step) <= 0.02 * step))
-    clock = time if uniform else np.linspace(time[0], time[-1], round((time[-1] - time[0]) / step) + 1)
-    series = x if uniform else np.interp(clock, time, x)
-    noise = noise_level(series)
+def _window(series: Floats, noise: float) -> int:
+    """Samples of the widest local cubic that leaves no more than white ``noise`` behind."""
     window = 5
     for wider in WINDOWS[1:]:
         if wider > series.size // 2:
@@ -200,6 +230,18 @@ def differentiate(time: Floats, x: Floats) -> tuple[Floats, Floats, Floats]:
         if np.sqrt(np.mean(np.square(left))) > 1.1 * noise * np.sqrt(1.0 - 2.25 / wider):
             break
         window = wider
+    return window
+
+
+def differentiate(time: Floats, x: Floats) -> tuple[Floats, Floats, Floats]:
+    """Smoothed deflection and its first two derivatives."""
+    steps = np.diff(time)
+    step = float(np.median(steps))
+    uniform = bool(np.all(np.abs(steps - step) <= 0.02 * step))
+    clock = time if uniform else np.linspace(time[0], time[-1], round((time[-1] - time[0]) / step) + 1)
+    series = x if uniform else np.interp(clock, time, x)
+    noise = noise_level(series)
+    window = _window(series, noise)
     if series.size < 2 * window:
         speed = np.gradient(series, clock)
         found = series, speed, np.gradient(speed, clock)
