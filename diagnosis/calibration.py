@@ -16,19 +16,19 @@ INPUTS = (
     "log margin", "left over", "left over of unknown", "small gap", "gain beside others", "widening", "closed beside",
 )  # fmt: skip
 CONFIDENCE: dict[str, float] = {
-    "bias": 2.292,
-    "no gap": 0.258,
-    "unknown": -4.214,
-    "miscalibration alone": -2.186,
-    "miscalibration beside": -1.22,
-    "further effects": -1.01,
-    "log margin": 1.218,
-    "left over": -2.946,
-    "left over of unknown": 1.723,
-    "small gap": 3.005,
-    "gain beside others": 1.136,
-    "closed beside": -0.079,
-    "widening": 0.668,
+    "bias": 3.548,
+    "no gap": -0.465,
+    "unknown": -3.085,
+    "miscalibration alone": -2.985,
+    "miscalibration beside": -1.762,
+    "further effects": -1.7,
+    "log margin": 0.542,
+    "left over": -2.606,
+    "left over of unknown": 0.829,
+    "small gap": 1.442,
+    "gain beside others": 0.444,
+    "widening": -3.058,
+    "closed beside": 0.511,
 }
 """Weight of each input."""
 

@@ -30,6 +30,8 @@ RIVAL = 0.05
 """An alternative at least this probable, relative to the verdict, is a stated ambiguity."""
 MOST_PAIRS = 6
 """The likeliest alternatives are enough to choose the next recording."""
+AS_MUCH = 0.03
+"""Share of the gap's energy by which a simpler verdict may close less."""
 EXACT = 0.3
 """Structure left over, as a share of the noise, up to which an effect's law is adequate."""
 
@@ -171,29 +173,41 @@ def diagnose(
         raise InputError("every effect is excluded; leave at least one")
     emulator = emulate(signals, model)
     scene = SimulatorScene(signals, emulator)
-    evidence = Evidence(scene, fitted=fitted)
-    found = search(Library(evidence, effects))
-    choice = choose(evidence, found)
+    evidence, found, choice = _explain(Evidence(scene, fitted=fitted), effects)
+    calm = False
+    if not fitted and np.any(signals.knocks) and (choice.verdict == [UNKNOWN] or len(_named(choice)) > 1):
+        # What knocks may have asked for more than there is, or have hidden what there is.
+        again = _explain(Evidence(scene, ~signals.knocks, fitted=fitted), effects)
+        if _is_better(signals, again[2], choice, seed):
+            evidence, found, choice = again
+            calm = True
     floor = evidence.sigma
 
     blank = next(h for h in found if not h.terms)
     recalibrated = held_out(evidence, evidence.fit((), (max(blank.by_scale, key=lambda s: blank.by_scale[s]),)), 0)
     _, closed_by_recalibration, _ = closed_share(signals.gap, signals.gap - recalibrated.recalibration, floor, seed)
     reports = _effect_reports(evidence, found, choice, floor, seed)
-    after = signals.gap - choice.held.signal - (choice.held.recalibration if choice.miscalibrated else 0.0)
-    _, closed_in_all, _ = closed_share(signals.gap, after, floor, seed)
+    closed_in_all = _closed(signals, choice, seed)
     if MISCALIBRATION in choice.verdict:
         reports.append(_recalibration_report(signals, choice, floor, seed))
     notes = []
+    if calm:
+        notes.append(
+            f"{100.0 * np.mean(signals.knocks):.2g} % of the samples were left out, about moments at which something knocks"
+        )
     if model is None:
         notes.append(
             f"the simulator is emulated by {emulator.name}, error {100.0 * emulator.error:.2g} % of its output"
+        )
+    if choice.torque_step > 0.0:
+        notes.append(
+            f"the recorded torque comes in steps of {choice.torque_step:.3g} {signals.unit}: they are the gap; record it finer"
         )
     if fitted:
         notes.append(
             "the confidence was calibrated on simulators that were not fitted to the joint: take it as a rank here"
         )
-    named = [name for name in choice.verdict if name not in (MISCALIBRATION, UNKNOWN)]
+    named = _named(choice)
     return Diagnosis(
         signals=signals,
         verdict=choice.verdict,
@@ -214,6 +228,31 @@ def diagnose(
         excluded=sorted(exclude),
         notes=notes,
     )
+
+
+def _explain(evidence: Evidence, effects: Sequence[Effect]) -> tuple[Evidence, list[Hypothesis], Choice]:
+    found = search(Library(evidence, effects))
+    return evidence, found, choose(evidence, found)
+
+
+def _named(choice: Choice) -> list[str]:
+    """The verdict's effects."""
+    return [name for name in choice.verdict if name not in (MISCALIBRATION, UNKNOWN)]
+
+
+def _closed(signals: Signals, choice: Choice, seed: int) -> float:
+    after = signals.gap - choice.held.signal - (choice.held.recalibration if choice.miscalibrated else 0.0)
+    return closed_share(signals.gap, after, signals.noise_floor, seed)[1]
+
+
+def _is_better(signals: Signals, calm: Choice, whole: Choice, seed: int) -> bool:
+    """Whether a verdict without the knocks explains the gap, knocks included, by fewer effects or at all."""
+    if not _named(calm):
+        return False
+    closed = _closed(signals, calm, seed)
+    if whole.verdict == [UNKNOWN]:
+        return closed >= 0.5
+    return set(_named(calm)) < set(_named(whole)) and closed >= _closed(signals, whole, seed) - AS_MUCH
 
 
 def _explained(choice: Choice, named: Sequence[str]) -> dict[str, Floats]:
@@ -269,7 +308,7 @@ def _report(
     signals = evidence.scene.signals
     rmse, closed, interval = closed_share(signals.gap, signals.gap - held.parts[name], floor, seed)
     left = signals.gap - hypothesis.signal
-    left = left - evidence.absorbed(left, hypothesis.scale)
+    left = (left - evidence.absorbed(left[evidence.rows], hypothesis.scale)) * evidence.rows
     exact = np.sqrt(max(structured_power(left, signals.runs, signals.stride), 0.0)) <= EXACT * floor
     term = next(t for t in hypothesis.terms if t.effect.id == name)
     return EffectReport(
@@ -289,6 +328,8 @@ def _recalibration_report(signals: Signals, choice: Choice, floor: float, seed: 
 
 def _ambiguities(choice: Choice) -> list[list[str]]:
     """Pairs of effects of which one could stand in for the other in the verdict."""
+    if choice.verdict in ([], [UNKNOWN]):
+        return []
     own = choice.hypothesis.names
     pairs: set[tuple[str, str]] = set()
     for names, odds in sorted(choice.rivals.items(), key=lambda item: -item[1]):

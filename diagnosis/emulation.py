@@ -200,10 +200,18 @@ class Generalised:
         small = 1e-3
         stretched = (self.predict((1.0 + small) * x) - self.predict((1.0 - small) * x)) / (2.0 * small)
         structure = np.hstack([stops * weights, (wider - narrower) * (weights / 0.1)])
+        rates = self._rates() * self.rates
         bulk = np.column_stack([
-            shapes, odd, even, preload, width, placed * self.placed, stretched, self._rates() * self.rates,
+            shapes, odd, even, preload, width, _uncancelled(placed * self.placed), stretched, _uncancelled(rates),
         ])  # fmt: skip
         return structure, bulk
+
+
+def _uncancelled(columns: Floats) -> Floats:
+    """Columns (n, k) of which none is larger than their sum: what cancels is no parameter of the simulator."""
+    whole = float(np.sqrt(np.mean(np.square(columns.sum(axis=1)))))
+    sizes = np.sqrt(np.mean(np.square(columns), axis=0))
+    return columns * np.minimum(1.0, whole / np.maximum(sizes, 1e-300))
 
 
 def _parts(

@@ -37,6 +37,8 @@ FITTED: dict[Scale, float] = {
 still more freedom the refit would take all of the effect again."""
 INADEQUACY = 0.04
 """No listed law is exact: what is left over within this share of the gap's RMS is not held against an effect."""
+SLIGHT = 0.02
+"""Relative error of the fine structure of a simulator that counts as exact."""
 ORDER = {INPUT: 0, TORQUE: 1, SENSOR: 2}
 
 
@@ -322,6 +324,20 @@ class Evidence:
         )  # fmt: skip
         better = self.fit(terms_at(found.x), scales)
         return better if better.score > start.score else start
+
+    def refine_anyhow(self, terms: Sequence[Term]) -> Hypothesis:
+        """Refine beside the likeliest simulator, and where that is a refitted one also beside an exact one.
+
+        A refitted simulator makes up for wrong shapes, so that they would not move to where it is not needed.
+        """
+        start = self.fit(terms)
+        best = self.refine(start)
+        exact = [scale for scale in self.scales if scale[1] == 0.0 and scale[0] <= SLIGHT]
+        if start.scale not in exact and any(term.shape for term in start.terms):
+            beside = max(exact, key=lambda scale: start.by_scale[scale])
+            found = self.fit(self.refine(self.fit(terms, (beside,)), scales=(beside,)).terms)
+            best = max(best, found, key=lambda hypothesis: hypothesis.score)
+        return best
 
 
 def effect_columns(scene: SimulatorScene, terms: Sequence[Term], guess: Floats | None = None) -> Floats:

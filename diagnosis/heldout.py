@@ -73,7 +73,8 @@ def held_out(evidence: Evidence, hypothesis: Hypothesis, evaluations: int = 4) -
     n = evidence.scene.torque.size
     signal, recalibration = np.zeros(n), np.zeros(n)
     parts = {name: np.zeros(n) for name in hypothesis.names}
-    for seen, out in _folds(evidence, _blocks(hypothesis.signal)):
+    for kept, out in _folds(evidence, _blocks(hypothesis.signal)):
+        seen = kept & evidence.rows
         part = Evidence(evidence.scene, seen, evidence.thinning, evidence.fitted)
         fitted = part.fit(hypothesis.terms, (hypothesis.scale,))
         if evaluations:
@@ -105,6 +106,9 @@ def closed_share(gap: Floats, after: Floats, floor: float, seed: int) -> tuple[f
         left = after_sums[rows].sum(axis=-1) / count - floor**2
         return 1.0 - left / np.maximum(before, 1e-300)
 
+    if np.mean(np.square(gap)) <= floor**2:
+        # There is nothing to close.
+        return float(np.sqrt(np.mean(np.square(after)))), 0.0, [0.0, 0.0]
     everything = float(share(np.arange(sizes.size)))
     # A bootstrap sample in which the gap is not above the noise says nothing about its share.
     interval = np.percentile(np.clip(share(drawn), -10.0, 1.5), [5.0, 95.0])

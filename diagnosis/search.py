@@ -13,6 +13,10 @@ from .evidence import Evidence, Hypothesis, Scale, Term, boxed_least_squares, co
 __all__ = ["Library", "search"]
 
 Floats = NDArray[np.float64]
+INHERITED = 3
+"""Sets of each size whose shapes are tried in smaller sets."""
+NEARLY = 0.02
+"""Evidence a sample by which a law may fall behind and still be refined further."""
 
 
 class Library:
@@ -81,10 +85,12 @@ class Library:
             self._by_scale[scale] = e.reduced(self._gram, self._moment, e.gap_energy, self._inside, scale)
         return self._by_scale[scale]
 
-    def extend(self, base: Sequence[int], scales: Sequence[Scale]) -> list[tuple[float, tuple[int, ...]]]:
+    def extend(
+        self, base: Sequence[int], scales: Sequence[Scale], only: str | None = None
+    ) -> list[tuple[float, tuple[int, ...]]]:
         """The best set made of ``base`` (term numbers) and one more term, for each law of each further effect.
 
-        Returns (score, term numbers), in no order.
+        With ``only``, of that effect. Returns (score, term numbers), in no order.
         """
         base_columns = [c for number in base for c in range(self.slices[number].start, self.slices[number].stop)]
         base_terms = [self.terms[number] for number in base]
@@ -96,7 +102,9 @@ class Library:
             chosen = [
                 k
                 for k in numbers
-                if self.terms[k].effect.id not in taken and not own.intersection(self.terms[k].effect.contains)
+                if self.terms[k].effect.id not in taken
+                and not own.intersection(self.terms[k].effect.contains)
+                and only in (None, self.terms[k].effect.id)
             ]
             if not chosen:
                 continue
@@ -150,15 +158,15 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
         count = wide if size > 1 else 2 * wide
         refined: dict[frozenset[str], tuple[Hypothesis, tuple[int, ...]]] = {}
         for _, numbers in ranked[:count]:
-            fitted = evidence.refine(evidence.fit([library.terms[k] for k in numbers]))
+            fitted = evidence.refine_anyhow([library.terms[k] for k in numbers])
             known = refined.get(fitted.names)
             for better in (fitted, *(_successors(evidence, fitted) if size == 1 else ())):
                 if known is None or better.score > known[0].score:
                     known = refined[better.names] = (better, numbers)
         if size > 1:
-            # In company only the most likely sets are worth a second form.
+            # In company only the most likely sets are worth other forms.
             for fitted, numbers in sorted(refined.values(), key=lambda item: -item[0].score)[:2]:
-                for better in _successors(evidence, fitted):
+                for better in (*_successors(evidence, fitted), *_other_laws(library, fitted)):
                     if better.score > refined[better.names][0].score:
                         refined[better.names] = (better, numbers)
         if size == 1:
@@ -173,7 +181,23 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
             grown = [term for fitted, _ in ordered[:wide] for term in fitted.terms]
             added = iter(library.add(grown))
             beam = [(tuple(next(added) for _ in fitted.terms), _likely_scales(fitted)) for fitted, _ in ordered[:wide]]
-    return found
+    return _with_shapes_of_larger(evidence, found)
+
+
+def _with_shapes_of_larger(evidence: Evidence, found: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """The same sets of effects with the shapes that the best larger sets found, where those are better.
+
+    An effect in company may end in a better minimum than alone; the company should not get the credit.
+    """
+    best = {hypothesis.names: hypothesis for hypothesis in found}
+    for size in (3, 2):
+        larger = sorted((h for h in best.values() if len(h.terms) == size), key=lambda h: -h.score)[:INHERITED]
+        for hypothesis in larger:
+            for k in range(size):
+                fewer = evidence.fit(hypothesis.terms[:k] + hypothesis.terms[k + 1 :])
+                if fewer.names in best and fewer.score > best[fewer.names].score:
+                    best[fewer.names] = evidence.refine(fewer)
+    return sorted(best.values(), key=lambda h: (len(h.terms), -h.score))
 
 
 def _successors(evidence: Evidence, fitted: Hypothesis) -> list[Hypothesis]:
@@ -183,12 +207,29 @@ def _successors(evidence: Evidence, fitted: Hypothesis) -> list[Hypothesis]:
         coefficients = fitted.coefficients[start : start + len(term.form.coefficients)]
         start += len(term.form.coefficients)
         for form in term.effect.forms(evidence.scene):
-            if form.refines == term.form.name:
+            if term.form.name in form.refines:
                 shape = form.start(term.shape, coefficients) if form.start else term.shape
                 inside = tuple(float(np.clip(v, low, high)) for v, (low, high) in zip(shape, form.limits, strict=True))
                 terms = list(fitted.terms)
                 terms[k] = Term(term.effect, form, inside, term.laws)
-                made.append(evidence.refine(evidence.fit(terms)))
+                made.append(evidence.refine_anyhow(terms))
+    return made
+
+
+def _other_laws(library: Library, fitted: Hypothesis) -> list[Hypothesis]:
+    """The same effects with the law of one chosen anew: another may have been better before the others were there."""
+    evidence, made = library.evidence, []
+    own = library.add(fitted.terms)
+    for k, term in enumerate(fitted.terms):
+        others = own[:k] + own[k + 1 :]
+        laws = library.extend(others, (fitted.scale,), term.effect.id)
+        laws = [(score, numbers) for score, numbers in laws if library.terms[numbers[-1]].form.name != term.form.name]
+        if laws:
+            _, numbers = max(laws)
+            other = evidence.refine_anyhow([library.terms[number] for number in numbers])
+            made.append(other)
+            if other.score > fitted.score - NEARLY * evidence.size:
+                made += _successors(evidence, other)
     return made
 
 

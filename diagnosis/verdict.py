@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from .calibration import CONFIDENCE, confidence
 from .evidence import Evidence, Hypothesis, Scale
 from .heldout import HeldOut, held_out, structured_power
+from .quantisation import torque_step
 from .signals import Signals
 
 __all__ = ["MISCALIBRATION", "UNKNOWN", "Choice", "choose", "effective_share"]
@@ -25,23 +26,27 @@ SAME_WHERE_POOR = 0.04
 """The same where all half cycles are alike."""
 NEEDED = 0.3
 """Evidence a sample by which an effect must be needed beside a simulator that is off by a tenth."""
-DOUBT = 0.25
+DOUBT = 0.5
 """A cause less probable than this is not named."""
 ALIKE = 0.25
 """Coefficient of variation of amplitudes and of mid-stroke speeds up to which half cycles are alike."""
 EFFECT_COST = 3.0
 """Logarithm of the prior odds against each further effect."""
 EFFECT_COST_REFITTED = 12.0
-COMPANY_COST = 0.03
+COMPANY_COST = 0.02
 """The same a sample, for effects beside others or beside a simulator that is off: a small misfit of one can always be
 patched by one more, however sure the improvement."""
 COINCIDENCE = 200.0
 """Logarithm of the odds against effects of 2.5 times the gap; it grows as the square beyond 1.25."""
 STANDS_IN = ("torque_gain",)
-STAND_IN = 35.0
+STAND_IN, STAND_IN_COMPANY = 7.0, 9.0
 """Logarithm of the odds against these where the loop's fine structure is off too: then the simulator is to blame."""
 NEGLIGIBLE = 0.7
 """An effect smaller than this share of the noise is no gap beyond the noise."""
+NOT_NOISE = 1.2
+"""What is left over beyond the noise, as a share of it, that cannot be an error in the noise's own size."""
+KNOCK = 5.0
+"""Noise levels beyond which a sample says no more against an explanation than one at this level."""
 SAME_JOINT = 0.006
 """Neither is a gap of this share of the torque that is hardly above the noise and needs no effect."""
 WORTH = 0.04
@@ -50,8 +55,8 @@ WORTH_FITTED = 0.1
 """The same beside a model that was fitted to the joint: there the largest cause is asked for."""
 INDIFFERENT = 0.1
 """The same as a share of the noise's energy, whatever the gap."""
-CONTAINED = 0.002
-"""Share of the gap's energy within which a special case is preferred to the general effect."""
+CONTAINED = 0.001
+"""Share of the effect's energy within which a special case is preferred to the general effect."""
 RECALIBRATION_WORTH = 0.06
 """Share of the gap's energy that the refit must close to be called a miscalibration."""
 RECALIBRATION_SHARE = 0.15
@@ -86,6 +91,8 @@ class Choice:
     candidates: list[Hypothesis]
     recalibration_rivals: list[str]
     """Effects of the verdict for which an unnamed miscalibration could stand in, or the other way round."""
+    torque_step: float = 0.0
+    """Step in which the recorded torque comes, N·m, where it makes up the gap; 0 otherwise."""
 
 
 def is_refitted(scale: Scale) -> bool:
@@ -106,9 +113,9 @@ def _prior(evidence: Evidence, hypothesis: Hypothesis, gap: float) -> float:
     cost += sum(float(np.log(term.laws)) for term in hypothesis.terms)
     if evidence.fitted:
         return -cost
-    off = FINE if len(hypothesis.terms) == 1 else 0.5 * FINE
-    if hypothesis.scale[0] >= off and any(term.effect.id in STANDS_IN for term in hypothesis.terms):
-        cost += STAND_IN
+    if any(term.effect.id in STANDS_IN for term in hypothesis.terms):
+        alone = len(hypothesis.terms) == 1
+        cost += STAND_IN * (hypothesis.scale[0] >= (FINE if alone else 0.5 * FINE)) + STAND_IN_COMPANY * (not alone)
     # Effects and errors of the simulator that are each larger than the gap and cancel would be a coincidence.
     size = float(np.sqrt(np.mean(np.square(hypothesis.signal)))) / gap
     return -cost - COINCIDENCE * max(size / 1.25 - 1.0, 0.0) ** 2
@@ -135,13 +142,14 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     held, misfit_refit, miscalibrated = refit.held, refit.left, refit.miscalibrated
     expected = evidence.fitted and bool(best.terms)
 
-    after = signals.gap - held.signal - held.recalibration
+    rows = evidence.rows
+    after = (signals.gap - held.signal - held.recalibration) * rows
     left = max(structured_power(after, signals.runs, signals.stride), 0.0)
-    gap_power = max(structured_power(signals.gap, signals.runs, signals.stride), 1e-6 * floor**2)
+    gap_power = max(structured_power(signals.gap * rows, signals.runs, signals.stride), 1e-6 * floor**2)
     tempered = TEMPERATURE * effective_share(misfit_refit, signals.runs)
     scores = np.array([h.score + priors[id(h)] for h in ranked])
-    posterior, odds = _weigh(evidence, ranked, scores, own, blank, tempered)
-    others = [s for h, s in zip(ranked, scores, strict=True) if not h.names >= best.names and not h.names <= best.names]
+    posterior, odds = _weigh(evidence, ranked, scores, own, best, blank, tempered)
+    others = [s for h, s in zip(ranked, scores, strict=True) if not _is_nested(h, best)]
     features = {
         "gap": float(np.sqrt(energy) / floor),
         "left_to_noise": float(np.sqrt(left) / floor),
@@ -153,11 +161,10 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         "recalibrated": refit.gain,
         "refitted": float(is_refitted(best.scale) and not expected),
         "closed": 1.0
-        - (float(np.mean(np.square(after if miscalibrated else signals.gap - held.signal))) - floor**2) / energy,
-        "closed_alone": 1.0 - (float(np.mean(np.square(signals.gap - held.signal))) - floor**2) / energy,
-        "in_sample_left": float(
-            np.sqrt(max(structured_power(misfit_refit, signals.runs, signals.stride), 0.0)) / floor
-        ),
+        - (float(np.mean(np.square((after if miscalibrated else signals.gap - held.signal)[rows]))) - floor**2)
+        / energy,
+        "closed_alone": 1.0 - (float(np.mean(np.square((signals.gap - held.signal)[rows]))) - floor**2) / energy,
+        "in_sample_left": _left_to_noise(misfit_refit, signals, floor),
     }
     refitted = bool(features["refitted"] and best.terms)
     features["forgiven"] = forgiven(features["gap"], refitted, evidence.fitted)
@@ -171,26 +178,61 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     stated = confidence(CONFIDENCE, verdict, features)
     if verdict and verdict != [UNKNOWN] and stated < DOUBT and not evidence.fitted:
         verdict, stated = [UNKNOWN], 1.0 - stated
+    step = torque_step(signals) if verdict == [] else 0.0
+    if step > 0.0:
+        # Steps pass for noise, but a finer sensor would close them.
+        verdict = [UNKNOWN]
     return Choice(
         verdict, stated, best, held, miscalibrated, left / gap_power, features,
-        posterior, odds, list(ranked), _recalibration_rivals(verdict, best, own, found, tempered),
+        posterior, odds, list(ranked), _recalibration_rivals(evidence, verdict, best, own, found, tempered), step,
     )  # fmt: skip
 
 
+def _left_to_noise(left: Floats, signals: Signals, floor: float) -> float:
+    """Structure left over, relative to the noise.
+
+    It is what lasts for several samples; where the rest is far above the noise, it counts whole, for a fast hum does not
+    last and is no noise either. What knocks for a moment (flanks that meet, a stop that is hit) is cut off at what lasts.
+    """
+    left = np.clip(left, -KNOCK * floor, KNOCK * floor)
+    lasting = float(np.sqrt(max(structured_power(left, signals.runs, signals.stride), 0.0)) / floor)
+    whole = float(np.sqrt(max(float(np.mean(np.square(left))) / floor**2 - 1.0, 0.0)))
+    return max(lasting, whole if whole > NOT_NOISE else 0.0)
+
+
+def _is_nested(one: Hypothesis, other: Hypothesis) -> bool:
+    """Whether one explanation is a special case of the other."""
+    a, b = _simplified(one), _simplified(other)
+    return a <= b or b <= a
+
+
+def _simplified(hypothesis: Hypothesis) -> frozenset[str]:
+    """Names of the effects with the general ones replaced by their special cases."""
+    return frozenset(name for t in hypothesis.terms for name in (t.effect.contains or (t.effect.id,)))
+
+
 def _weigh(
-    evidence: Evidence, ranked: Sequence[Hypothesis], scores: Floats, own: float, blank: Hypothesis, tempered: float
+    evidence: Evidence,
+    ranked: Sequence[Hypothesis],
+    scores: Floats,
+    own: float,
+    best: Hypothesis,
+    blank: Hypothesis,
+    tempered: float,
 ) -> tuple[dict[frozenset[str], float], dict[frozenset[str], float]]:
-    """Probability of each set of effects, and its odds against the verdict, whose score is ``own``."""
+    """Probability of each set of effects, and its odds against the verdict ``best``, whose score is ``own``."""
     weights = np.exp(np.clip(tempered * (scores - scores.max()), -700.0, 0.0))
     near = (SAME_WHERE_POOR if _is_poor(evidence.scene.signals) else SAME_BY_EYE) * evidence.size
-    above_blank = own > blank.score + near
     posterior: dict[frozenset[str], float] = {}
     odds: dict[frozenset[str], float] = {}
     for hypothesis, weight, score in zip(ranked, weights / weights.sum(), scores, strict=True):
         posterior[hypothesis.names] = posterior.get(hypothesis.names, 0.0) + float(weight)
         against = float(np.exp(np.clip(tempered * (score - own), -700.0, 50.0)))
-        if above_blank and hypothesis.terms and hypothesis.score < blank.score + 5.0:
+        if hypothesis.terms and hypothesis.score < blank.score + 5.0:
             # What stands in for the verdict here is the refitted simulator, not this effect.
+            against = 0.0
+        elif _simplified(hypothesis) == best.names != hypothesis.names:
+            # The more general effect is no other cause.
             against = 0.0
         elif own - score < near:
             against = max(against, 0.1)
@@ -220,15 +262,16 @@ def _judge_refit(evidence: Evidence, best: Hypothesis, energy: float) -> _Refit:
     held = held_out(evidence, best)
     if best.terms:
         # What the refit closes of the gap, on unseen samples, and beyond what fine structure would close.
-        alone = float(np.mean(np.square(signals.gap - held.signal)))
-        together = float(np.mean(np.square(signals.gap - held.signal - held.recalibration)))
+        rows = evidence.rows
+        alone = float(np.mean(np.square((signals.gap - held.signal)[rows])))
+        together = float(np.mean(np.square((signals.gap - held.signal - held.recalibration)[rows])))
         share = RECALIBRATION_SHARE_POOR if _is_poor(signals) else RECALIBRATION_SHARE
         needed = alone - together > max(share * energy, 1.5 * floor**2)
         off = bool(needed or (is_refitted(best.scale) and gain > RECALIBRATION_WORTH))
     else:
         # With no effect at all, what the refit takes is the gap.
         off = is_refitted(best.scale) or energy > floor**2
-    return _Refit(held, left, gain, off and float(np.std(recalibration)) > NEGLIGIBLE * floor)
+    return _Refit(held, left, gain, off and float(np.sqrt(np.mean(np.square(recalibration)))) > NEGLIGIBLE * floor)
 
 
 def _company(evidence: Evidence) -> float:
@@ -264,19 +307,32 @@ def effective_share(residual: Floats, runs: Sequence[slice], longest: int = 200)
 
 
 def _recalibration_rivals(
-    verdict: Sequence[str], best: Hypothesis, own: float, found: Sequence[Hypothesis], tempered: float
+    evidence: Evidence,
+    verdict: Sequence[str],
+    best: Hypothesis,
+    own: float,
+    found: Sequence[Hypothesis],
+    tempered: float,
 ) -> list[str]:
     """Effects that a miscalibrated simulator would imitate, or be imitated by, on this recording."""
     blank = next(h for h in found if not h.terms)
-    least = np.log(0.05) / tempered
+    # That one factor fits all parameters is a coincidence that evidence weighs rightly, whatever the laws are.
+    least = np.log(0.05) / (1.0 if best.names & set(STANDS_IN) else tempered)
     if len(best.names) == 1 and verdict == sorted(best.names):
         refitted = max((s for scale, s in blank.by_scale.items() if is_refitted(scale)), default=-np.inf)
+        if _is_poor(evidence.scene.signals):
+            least = min(least, -SAME_WHERE_POOR * evidence.size)
         return sorted(best.names) if refitted - own > least else []
     if verdict == [MISCALIBRATION]:
         fixed = [
             (h, max(s for scale, s in h.by_scale.items() if not is_refitted(scale))) for h in found if len(h.terms) == 1
         ]
-        return sorted(next(iter(h.names)) for h, s in fixed if s - EFFECT_COST - best.score > least)
+        return sorted(
+            name
+            for h, s in fixed
+            for name in h.names
+            if s - EFFECT_COST - best.score > (np.log(0.05) if name in STANDS_IN else least)
+        )
     return []
 
 
@@ -326,8 +382,9 @@ def forgiven(gap: float, refitted: bool, fitted: bool = False) -> float:
 
 
 def _left_over(evidence: Evidence, hypothesis: Hypothesis) -> Floats:
-    residual = evidence.gap - hypothesis.signal[evidence.rows]
-    return residual - evidence.absorbed(residual, hypothesis.scale)[evidence.rows]
+    """What a hypothesis and the refitted simulator leave, shape (n,); zero where the evidence does not look."""
+    residual = evidence.scene.signals.gap - hypothesis.signal
+    return (residual - evidence.absorbed(residual[evidence.rows], hypothesis.scale)) * evidence.rows
 
 
 def _simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) -> Hypothesis:
@@ -349,7 +406,12 @@ def _simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) -
         fitted.by_scale = known.by_scale
         return fitted, (fitted.rss - top.rss) / evidence.size / energy
 
-    changed = True
+    def is_adequate(hypothesis: Hypothesis) -> bool:
+        bent = bool(hypothesis.terms) and is_refitted(hypothesis.scale) and not evidence.fitted
+        left = _left_to_noise(_left_over(evidence, hypothesis), evidence.scene.signals, evidence.sigma)
+        return left <= forgiven(float(np.sqrt(energy)) / evidence.sigma, bent, evidence.fitted)
+
+    changed, explained = True, is_adequate(top)
     while changed:
         changed = False
         options: list[tuple[float, Hypothesis]] = []
@@ -357,14 +419,20 @@ def _simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) -
             if len(best.names) > 1:
                 size = float(np.mean(np.square(best.part(name)))) / energy
                 smaller, loss = beside_same_simulator(best.names - {name})
-                if smaller is not None and (
-                    loss * energy < INDIFFERENT * evidence.sigma**2 or (loss < worth and size < 3.0 * worth)
-                ):
+                if smaller is None:
+                    continue
+                indifferent = loss * energy < INDIFFERENT * evidence.sigma**2
+                # Beside a fitted model two effects may share one cause in any proportion.
+                little = loss < worth and (evidence.fitted or size < 3.0 * worth)
+                if indifferent or (little and (not explained or is_adequate(by_names[smaller.names]))):
                     options.append((loss, smaller))
             for special in next(term.effect for term in best.terms if term.effect.id == name).contains:
                 other, loss = beside_same_simulator((best.names - {name}) | {special})
-                if other is not None and loss < CONTAINED:
+                size = float(np.mean(np.square(best.part(name)))) / energy
+                if other is not None and loss < CONTAINED * min(size, 1.0):
                     options.append((loss, other))
         if options:
             best, changed = min(options, key=lambda option: option[0])[1], True
-    return best
+    # What little was left out may be the simulator's: the rest is judged beside the simulator that suits it.
+    own = by_names[best.names]
+    return own if best is not top and own.score > best.score else best

@@ -21,7 +21,7 @@ def by_correlation(evidence: Evidence, exclude: Sequence[str]) -> str:
     for effect in known_effects(exclude):
         for form in effect.forms(evidence.scene):
             for shape in form.grid:
-                columns = form.columns(evidence.scene, shape)
+                columns = form.columns(evidence.scene, shape)[evidence.rows]
                 for column in columns.T:
                     # A constant correlates with nothing once the mean is out, so it is compared about zero.
                     about = column - column.mean() if np.ptp(column) > 0.0 else column

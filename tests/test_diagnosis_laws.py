@@ -1,0 +1,178 @@
+"""Effects as hardware has them, not as the registry's first formula has them: homed encoders, damped stops, loose loads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
+from hystbench.diagnosis.operators import bristle, clearance, free_flight, yielding
+from hystbench.diagnosis.quantisation import torque_step
+from hystbench.diagnosis.signals import Signals
+
+Floats = NDArray[np.float64]
+NOISE = 0.012
+REACH = 0.9
+
+
+def joint(x: Floats) -> Floats:
+    """A hardening spring and three springs with sliders."""
+    out = 4.0 * x + 0.6 * x**3
+    for stiffness, limit in ((6.0, 0.12), (2.0, 0.15), (0.8, 0.16)):
+        force, last = 0.0, 0.0
+        for i, value in enumerate(x):
+            force = min(max(force + stiffness * (value - last), -limit), limit)
+            last = value
+            out[i] += force
+    return out
+
+
+def motion(size: int = 3500) -> tuple[Floats, Floats]:
+    time = np.arange(size) * 0.01
+    x = np.sin(2 * np.pi * 0.31 * time) * (0.55 + 0.35 * np.sin(2 * np.pi * 0.047 * time))
+    return time, (x + 0.2 * np.sin(2 * np.pi * 0.83 * time)) * (1.0 - np.exp(-time / 0.5))
+
+
+def diagnosed(measured: Floats, y_real: Floats, exclude: tuple[str, ...] = ()) -> Diagnosis:
+    rng = np.random.default_rng(5)
+    time, _ = motion(measured.size)
+    seen = measured + 1e-4 * REACH * rng.standard_normal(measured.size)
+    noise = NOISE * rng.standard_normal(measured.size)
+    return diagnose(Signals(time, seen, y_real + noise, joint(seen), [slice(0, seen.size)], {}), exclude=exclude)
+
+
+# ---- laws --------------------------------------------------------------------------------------------------------------
+
+
+def test_an_encoder_that_was_zeroed_at_home_has_no_offset_besides() -> None:
+    _, x = motion()
+    found = diagnosed(x + 0.02 * (np.sin(6.0 * x + 0.9) - np.sin(0.9)), joint(x))
+    assert found.verdict == ["encoder_eccentricity"]
+
+
+def test_an_encoder_error_with_an_offset_is_both() -> None:
+    _, x = motion()
+    found = diagnosed(x + 0.02 * (np.sin(6.0 * x + 0.9) - np.sin(0.9)) + 0.03, joint(x))
+    assert set(found.verdict) == {"encoder_eccentricity", "deflection_offset"}
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_stop_that_loses_energy_is_a_stop(side: float) -> None:
+    time, x = motion()
+    depth = np.maximum(side * x - 0.55, 0.0)
+    force = 6.0 * depth + np.where(depth > 0.0, 0.25 * side * np.gradient(x, time), 0.0)
+    found = diagnosed(x, joint(x) + side * np.maximum(force, 0.0))
+    assert found.verdict == ["end_stop"]
+
+
+def test_friction_with_a_bristle_of_its_own_dynamics_is_stribeck() -> None:
+    time, x = motion()
+    speed, friction, z = np.gradient(x, time), np.zeros_like(x), 0.0
+    for i in range(1, x.size):
+        for _ in range(20):
+            level = 0.1 + 0.15 * np.exp(-((speed[i] / 0.15) ** 2))
+            z += 0.01 / 20 * speed[i] * (1.0 - np.sign(speed[i]) * z * 40.0 / level)
+        friction[i] = 40.0 * z
+    found = diagnosed(x, joint(x) + friction)
+    assert found.verdict == ["stribeck_friction"]
+
+
+def test_a_mass_behind_a_shaft_is_inertia() -> None:
+    time, x = motion()
+    acceleration = np.gradient(np.gradient(x, time), time)
+    late = np.interp(time - 0.012, time, acceleration)
+    found = diagnosed(x, joint(x) + 0.03 * late)
+    assert found.verdict == ["inertia"]
+    (report,) = [e for e in found.effects if e.name == "inertia"]
+    assert report.parameters["inertia"] == pytest.approx(0.03, rel=0.1)
+
+
+def loose(x: Floats, half: float, inertia: float = 4e-4, flank: float = 120.0, substeps: int = 50) -> Floats:
+    """The same joint as a loose load between flanks, by symplectic Euler steps."""
+    h, q, rate = 0.01 / substeps, float(x[0]), 0.0
+    forces, limits, stiffness = np.zeros(3), np.array([0.12, 0.15, 0.16]), np.array([6.0, 2.0, 0.8])
+    out, before = np.zeros_like(x), float(x[0])
+    for i, target in enumerate(x):
+        pace, mean = (target - before) / 0.01, 0.0
+        for step in range(substeps):
+            drive = before + (target - before) * (step + 1) / substeps
+            depth = drive - q - np.clip(drive - q, -half, half)
+            contact = flank * depth + 0.15 * (pace - rate) if depth != 0.0 else 0.0
+            contact = contact if contact * depth > 0.0 else 0.0
+            rate += h / inertia * (contact - 4.0 * q - 0.6 * q**3 - forces.sum())
+            q += h * rate
+            forces = np.clip(forces + stiffness * h * rate, -limits, limits)
+            mean += contact / substeps
+        out[i], before = mean, target
+    return out
+
+
+def test_a_loose_load_that_hits_its_flanks_is_backlash() -> None:
+    _, x = motion(2500)
+    found = diagnosed(x, joint(x) + loose(x, 0.02) - loose(x, 0.0))
+    assert found.verdict == ["backlash"]
+    (report,) = [e for e in found.effects if e.name == "backlash"]
+    assert report.parameters["clearance"] == pytest.approx(0.04, rel=0.15)
+
+
+def test_a_gain_is_told_from_a_simulator_of_coarser_structure() -> None:
+    _, x = motion()
+    coarse = joint(x) + 0.4 * (1.0 - np.exp(-np.abs(x))) * 0.01
+    found = diagnosed(x, 1.04 * coarse)
+    assert found.verdict == ["torque_gain"]
+
+
+def test_a_hum_is_no_noise_even_where_it_is_as_fast_as_the_sampling_allows() -> None:
+    time, x = motion()
+    found = diagnosed(x, joint(x) + 0.05 * np.sin(2.0 * np.pi * 8.3 * time))
+    assert found.verdict == ["unknown"]
+
+
+def test_what_excluded_effects_leave_is_never_called_no_gap() -> None:
+    _, x = motion()
+    found = diagnosed(x + 0.04, joint(x), exclude=("deflection_offset", "torque_offset"))
+    assert found.verdict != []
+
+
+# ---- a sensor that counts in steps -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("step", [0.15, 0.3])
+def test_a_coarse_torque_sensor_is_no_noise_and_its_step_is_told(step: float) -> None:
+    _, x = motion()
+    found = diagnosed(x, step * np.round(joint(x) / step))
+    assert found.verdict == ["unknown"]
+    assert any(f"steps of {step:.3g}"[:11] in note for note in found.notes)
+    assert found.choice.torque_step == pytest.approx(step, rel=0.01)
+
+
+@pytest.mark.parametrize("make", [lambda x: joint(x), lambda x: np.round(joint(x), 3)])
+def test_a_fine_sensor_has_no_steps(make: Callable[[Floats], Floats]) -> None:
+    time, x = motion()
+    y = make(x) + NOISE * np.random.default_rng(0).standard_normal(x.size)
+    assert torque_step(Signals(time, x, y, joint(x), [slice(0, x.size)], {})) == 0.0
+
+
+# ---- operators ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_free_load_stays_in_its_clearance_and_a_stiff_one_stays_where_it_was_left() -> None:
+    time, x = motion()
+    torque, speed = joint(x), np.gradient(x, time)
+    for frequency in (30.0, 300.0, 1e6):
+        gap, free, hit = free_flight(time, x, speed, torque, 0.03, frequency)
+        assert np.all(np.abs(gap) <= 0.03)
+        assert np.all(np.abs(gap[free == 0.0]) == 0.03)
+        assert np.all(hit[free == 1.0] == 0.0)
+    # A load that swings infinitely fast does not get anywhere: the quasi-static clearance.
+    held = clearance(x, torque, 0.03)
+    assert np.mean(np.abs(gap - held) > 1e-3) < 0.02
+
+
+def test_a_bristle_that_yields_at_one_level_is_dahls() -> None:
+    _, x = motion()
+    np.testing.assert_allclose(yielding(x, np.ones_like(x), 0.02), bristle(x, 0.02), atol=1e-12)
+    assert np.max(np.abs(yielding(x, np.full_like(x, 2.0), 0.02))) <= 2.0
