@@ -61,6 +61,9 @@ def sentence(found: Diagnosis) -> str:
     sure = f"(confidence {100.0 * found.confidence:.0f} %)"
     if not found.verdict:
         return f"No gap beyond the noise of {found.noise_floor:.3g} {found.signals.unit} {sure}."
+    if found.choice.torque_step > 0.0:
+        step = f"{found.choice.torque_step:.3g} {found.signals.unit}"
+        return f"The gap of {found.rmse:.3g} {found.signals.unit} is the torque sensor's: it counts in steps of {step} {sure}."
     if found.verdict == [UNKNOWN]:
         return f"The gap of {found.rmse:.3g} {found.signals.unit} is real, but no effect that is known here explains it {sure}."
     titles = {report.name: report.name.replace("_", " ") for report in found.effects}

@@ -30,6 +30,8 @@ RIVAL = 0.05
 """An alternative at least this probable, relative to the verdict, is a stated ambiguity."""
 MOST_PAIRS = 6
 """The likeliest alternatives are enough to choose the next recording."""
+FEW = 0.005
+"""Part of the recording that knocks must make up to be worth a second look."""
 AS_MUCH = 0.03
 """Share of the gap's energy by which a simpler verdict may close less."""
 EXACT = 0.3
@@ -175,7 +177,7 @@ def diagnose(
     scene = SimulatorScene(signals, emulator)
     evidence, found, choice = _explain(Evidence(scene, fitted=fitted), effects)
     calm = False
-    if not fitted and np.any(signals.knocks) and (choice.verdict == [UNKNOWN] or len(_named(choice)) > 1):
+    if not fitted and np.mean(signals.knocks) > FEW and (choice.verdict == [UNKNOWN] or len(_named(choice)) > 1):
         # What knocks may have asked for more than there is, or have hidden what there is.
         again = _explain(Evidence(scene, ~signals.knocks, fitted=fitted), effects)
         if _is_better(signals, again[2], choice, seed):

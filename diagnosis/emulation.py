@@ -13,7 +13,8 @@ loop width, scale of the deflection, rates), in which it differs only if it is b
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -39,6 +40,8 @@ DEGREE = 5
 # Registered models that compete with the built-in emulator, in seconds rather than minutes.
 COMPETITORS = ("prandtl-ishlinskii",)
 GOOD_ENOUGH = 0.01
+REMEMBERED = 48
+"""Effects' columns that are kept at a time."""
 
 
 @dataclass(frozen=True)
@@ -78,10 +81,22 @@ class SimulatorScene:
         self.emulator = emulator
         self.torque = signals.y_sim if torque is None else torque
         self._base = emulator.predict(signals.x) if base is None else base
+        self._remembered: OrderedDict[Hashable, Floats] = OrderedDict()
 
     def torque_change(self, x: Floats) -> Floats:
         """Change of the simulator's output if its input were ``x`` (n,), N·m."""
         return self.emulator.predict(x) - self._base
+
+    def remembered(self, key: Hashable, make: Callable[[], Floats]) -> Floats:
+        """What ``make`` gives, kept for the next call with ``key`` unless many others come between."""
+        if key in self._remembered:
+            self._remembered.move_to_end(key)
+            return self._remembered[key]
+        made = make()
+        self._remembered[key] = made
+        if len(self._remembered) > REMEMBERED:
+            self._remembered.popitem(last=False)
+        return made
 
     def with_torque(self, torque: Floats) -> SimulatorScene:
         """The same scene after effects that changed the torque."""

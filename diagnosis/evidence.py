@@ -9,6 +9,7 @@ refitted simulator by one rule, a Bayesian information criterion on the effectiv
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -325,17 +326,17 @@ class Evidence:
         better = self.fit(terms_at(found.x), scales)
         return better if better.score > start.score else start
 
-    def refine_anyhow(self, terms: Sequence[Term]) -> Hypothesis:
+    def refine_anyhow(self, terms: Sequence[Term], evaluations: int = 10) -> Hypothesis:
         """Refine beside the likeliest simulator, and where that is a refitted one also beside an exact one.
 
         A refitted simulator makes up for wrong shapes, so that they would not move to where it is not needed.
         """
         start = self.fit(terms)
-        best = self.refine(start)
+        best = self.refine(start, evaluations)
         exact = [scale for scale in self.scales if scale[1] == 0.0 and scale[0] <= SLIGHT]
         if start.scale not in exact and any(term.shape for term in start.terms):
             beside = max(exact, key=lambda scale: start.by_scale[scale])
-            found = self.fit(self.refine(self.fit(terms, (beside,)), scales=(beside,)).terms)
+            found = self.fit(self.refine(self.fit(terms, (beside,)), evaluations, (beside,)).terms)
             best = max(best, found, key=lambda hypothesis: hypothesis.score)
         return best
 
@@ -352,7 +353,9 @@ def effect_columns(scene: SimulatorScene, terms: Sequence[Term], guess: Floats |
             before = np.hstack(made)
             made.append(term.form.columns(scene.with_torque(torque + before @ guess[: before.shape[1]]), term.shape))
         else:
-            made.append(term.form.columns(scene, term.shape))
+            # A search moves one shape at a time: the other terms' columns are there already.
+            key = (term.effect.id, term.form.name, term.shape)
+            made.append(scene.remembered(key, functools.partial(term.form.columns, scene, term.shape)))
     return np.hstack(made) if made else np.empty((torque.size, 0))
 
 

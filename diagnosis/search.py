@@ -15,6 +15,10 @@ __all__ = ["Library", "search"]
 Floats = NDArray[np.float64]
 INHERITED = 3
 """Sets of each size whose shapes are tried in smaller sets."""
+HOPEFUL = 0.005
+"""Evidence a sample that a further effect must bring for still another to be looked for."""
+IN_COMPANY = 6
+"""Steps of refinement of effects beside others."""
 NEARLY = 0.02
 """Evidence a sample by which a law may fall behind and still be refined further."""
 
@@ -141,6 +145,7 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
         # Beside a model that was fitted to the joint, the largest causes are asked for; a third only bends its law.
         most = min(most, 2)
     found = [evidence.fit(())]
+    best_of_smaller = found[0].score
     beam: list[tuple[tuple[int, ...], Sequence[Scale]]] = [((), evidence.scales)]
     for size in range(1, most + 1):
         sets: dict[frozenset[str], tuple[float, tuple[int, ...]]] = {}
@@ -158,14 +163,15 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
         count = wide if size > 1 else 2 * wide
         refined: dict[frozenset[str], tuple[Hypothesis, tuple[int, ...]]] = {}
         for _, numbers in ranked[:count]:
-            fitted = evidence.refine_anyhow([library.terms[k] for k in numbers])
+            # Sets grow from refined shapes: these need fewer steps.
+            fitted = evidence.refine_anyhow([library.terms[k] for k in numbers], 10 if size == 1 else IN_COMPANY)
             known = refined.get(fitted.names)
             for better in (fitted, *(_successors(evidence, fitted) if size == 1 else ())):
                 if known is None or better.score > known[0].score:
                     known = refined[better.names] = (better, numbers)
         if size > 1:
             # In company only the most likely sets are worth other forms.
-            for fitted, numbers in sorted(refined.values(), key=lambda item: -item[0].score)[:2]:
+            for fitted, numbers in sorted(refined.values(), key=lambda item: -item[0].score)[: 4 - size]:
                 for better in (*_successors(evidence, fitted), *_other_laws(library, fitted)):
                     if better.score > refined[better.names][0].score:
                         refined[better.names] = (better, numbers)
@@ -177,6 +183,9 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
                     refined[fitted.names] = (fitted, numbers)
         ordered = sorted(refined.values(), key=lambda item: -item[0].score)
         found += [fitted for fitted, _ in ordered]
+        if size > 1 and ordered[0][0].score - best_of_smaller < HOPEFUL * evidence.size:
+            break
+        best_of_smaller = ordered[0][0].score
         if size < most:
             grown = [term for fitted, _ in ordered[:wide] for term in fitted.terms]
             added = iter(library.add(grown))
@@ -212,7 +221,7 @@ def _successors(evidence: Evidence, fitted: Hypothesis) -> list[Hypothesis]:
                 inside = tuple(float(np.clip(v, low, high)) for v, (low, high) in zip(shape, form.limits, strict=True))
                 terms = list(fitted.terms)
                 terms[k] = Term(term.effect, form, inside, term.laws)
-                made.append(evidence.refine_anyhow(terms))
+                made.append(evidence.refine_anyhow(terms, 10 if len(terms) == 1 else IN_COMPANY))
     return made
 
 
@@ -226,7 +235,7 @@ def _other_laws(library: Library, fitted: Hypothesis) -> list[Hypothesis]:
         laws = [(score, numbers) for score, numbers in laws if library.terms[numbers[-1]].form.name != term.form.name]
         if laws:
             _, numbers = max(laws)
-            other = evidence.refine_anyhow([library.terms[number] for number in numbers])
+            other = evidence.refine_anyhow([library.terms[number] for number in numbers], IN_COMPANY)
             made.append(other)
             if other.score > fitted.score - NEARLY * evidence.size:
                 made += _successors(evidence, other)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from hystbench.diagnosis.delivery import sentence
 from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
 from hystbench.diagnosis.operators import bristle, clearance, free_flight, yielding
 from hystbench.diagnosis.quantisation import torque_step
@@ -145,7 +146,8 @@ def test_a_coarse_torque_sensor_is_no_noise_and_its_step_is_told(step: float) ->
     _, x = motion()
     found = diagnosed(x, step * np.round(joint(x) / step))
     assert found.verdict == ["unknown"]
-    assert any(f"steps of {step:.3g}"[:11] in note for note in found.notes)
+    assert f"steps of {found.choice.torque_step:.3g} N·m" in sentence(found)
+    assert any("steps of" in note for note in found.notes)
     assert found.choice.torque_step == pytest.approx(step, rel=0.01)
 
 

@@ -11,16 +11,13 @@ from .base import INPUT, Columns, Effect, Floats, Form, Parameter, Scene, geomet
 __all__ = ["EncoderEccentricity"]
 
 
-def _waves(angle: Floats, homed: bool) -> tuple[Floats, Floats]:
-    """Sine and cosine; an encoder that is zeroed at home does not err there."""
-    return np.sin(angle), np.cos(angle) - float(homed)
-
-
 def _columns(harmonics: int, homed: bool = False) -> Columns:
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         x = scene.signals.x
         small = 1e-3 * scene.signals.reach
-        waves = [wave for k in range(1, harmonics + 1) for wave in _waves(k * shape[0] * x, homed)]
+        # An encoder that is zeroed at home does not err there.
+        angles = [k * shape[0] * x for k in range(1, harmonics + 1)]
+        waves = [wave for angle in angles for wave in (np.sin(angle), np.cos(angle) - float(homed))]
         return np.column_stack([scene.torque_change(x + small * wave) / small for wave in waves])
 
     return columns
@@ -31,13 +28,15 @@ def _of_true_angle(homed: bool = False) -> Columns:
         periods, sizes = shape[0], shape[1:]
         x = scene.signals.x
         true = x
-        # z = x + p sin(N z) + q cos(N z) + … is a contraction as long as the error is small against a period.
-        for _ in range(6):
-            error = np.zeros_like(x)
+        # Newton's steps for z = x + p sin(N z) + q cos(N z) + …; the slope is kept from making them leap.
+        for _ in range(3):
+            error, slope = np.zeros_like(x), np.ones_like(x)
             for k in range(len(sizes) // 2):
-                sine, cosine = _waves((k + 1) * periods * true, homed)
-                error += sizes[2 * k] * sine + sizes[2 * k + 1] * cosine
-            true = x + error
+                n, p, q = (k + 1) * periods, sizes[2 * k], sizes[2 * k + 1]
+                sine, cosine = np.sin(n * true), np.cos(n * true)
+                error += p * sine + q * (cosine - float(homed))
+                slope -= n * (p * cosine - q * sine)
+            true = true - (true - x - error) / np.maximum(slope, 0.3)
         return scene.torque_change(true)[:, None]
 
     return columns
