@@ -80,6 +80,8 @@ class Dataset:
     references : mapping of str to str
         Predictions of y that the source publishes: title for people, for instance ``"LuGre (Doe 2024, published)"``, and
         the channel of every test recording that holds it. Reports score them like the models' own.
+    timed : bool
+        Whether the times of the samples are known; otherwise they only number the samples, and nothing is said of rates.
     """
 
     id: str
@@ -98,6 +100,7 @@ class Dataset:
     plant: Plant | None = None
     assumptions: Sequence[str] = ()
     references: Mapping[str, str] = field(default_factory=dict)
+    timed: bool = True
 
     def __post_init__(self) -> None:
         for title, channel in self.references.items():

@@ -127,6 +127,7 @@ class Cycloidal(DatasetSource):
             licence=self.licence,
             x_sigma=ANGLE_TOLERANCE,
             y_sigma=TORQUE_TOLERANCE,
+            timed=False,
             assumptions=(
                 "The loops are means over 3 or 5 ramps, taken from the lines of the published figures; the stated noise is the "
                 "tolerance to which matplotlib simplifies such lines.",

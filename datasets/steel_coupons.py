@@ -82,6 +82,7 @@ class SteelCoupons(DatasetSource):
             licence=self.licence,
             x_sigma=x_sigma,
             y_sigma=y_sigma,
+            timed=False,
             assumptions=(
                 "No time is published for the two tests of the split: samples are numbered in seconds. Filters that take "
                 "rates from it work on a nominal clock.",

@@ -87,6 +87,7 @@ class TimberWalls(DatasetSource):
             licence=self.licence,
             x_sigma=max(sigmas[0], QUANTUM / np.sqrt(12.0)),
             y_sigma=max(sigmas[1], QUANTUM / np.sqrt(12.0)),
+            timed=False,
             assumptions=(
                 "No time is published: samples are numbered in seconds. Filters that take rates from it work on a nominal "
                 "clock.",

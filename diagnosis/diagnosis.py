@@ -16,6 +16,7 @@ from .effects.base import Effect
 from .emulation import SimulatorScene, emulate
 from .evidence import Evidence, Hypothesis
 from .heldout import HeldOut, closed_share, held_out, structured_power
+from .refitting import refitted_beside
 from .search import Library, search
 from .signals import Signals
 from .verdict import MISCALIBRATION, UNKNOWN, Choice, choose
@@ -174,6 +175,8 @@ def diagnose(
     if not effects:
         raise InputError("every effect is excluded; leave at least one")
     emulator = emulate(signals, model)
+    if fitted:
+        emulator = refitted_beside(signals, model, emulator, effects)
     scene = SimulatorScene(signals, emulator)
     evidence, found, choice = _explain(Evidence(scene, fitted=fitted), effects)
     calm = False

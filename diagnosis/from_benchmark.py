@@ -16,6 +16,8 @@ from .signals import Signals
 __all__ = ["diagnose_model", "gap_signals"]
 
 ENCODER_ERRORS = ("deflection_offset", "encoder_eccentricity")
+OF_TIME = ("time", "speed", "acceleration")
+"""Coordinates that a recording without a clock does not have."""
 
 
 def diagnose_model(model: Any, dataset: Dataset, *, seed: int = 0, exclude: Sequence[str] = ()) -> Diagnosis:
@@ -38,7 +40,8 @@ def diagnose_model(model: Any, dataset: Dataset, *, seed: int = 0, exclude: Sequ
     InputError
         If the test recordings cannot be diagnosed, for instance because they are too short.
     """
-    return diagnose(gap_signals(model, dataset), model, {*_of_sensors(), *exclude}, seed, fitted=True)
+    left_out = {*_of_sensors(), *exclude, *(() if dataset.timed else _of_time())}
+    return diagnose(gap_signals(model, dataset), model, left_out, seed, fitted=True)
 
 
 def gap_signals(model: Any, dataset: Dataset) -> Signals:
@@ -56,6 +59,11 @@ def gap_signals(model: Any, dataset: Dataset) -> Signals:
 def _of_sensors() -> set[str]:
     """Errors of the sensors: they are in the recordings to which the model was fitted as well, so it does not lack them."""
     return {*ENCODER_ERRORS, *(name for name in registry.ids() if registry.get(name).acts_on == SENSOR)}
+
+
+def _of_time() -> set[str]:
+    """Effects that show over time or rates: where no clock was recorded nothing can be said of them."""
+    return {name for name in registry.ids() if registry.get(name).coordinate in OF_TIME}
 
 
 def _scored(recording: Recording, without: set[str]) -> Recording:

@@ -59,7 +59,7 @@ KNOWN_CAUSES: Mapping[str, KnownCause] = MappingProxyType({
     ),
     "cycloidal": KnownCause(
         frozenset({"backlash"}),
-        frozenset({"linear", "elastic", "dahl", "lugre", "bouc-wen"}),
+        frozenset({"dahl", "lugre", "bouc-wen"}),
         "The drive's play was measured apart, 0.7 to 2.3 degrees by state of wear and preload, and the torque goes "
         "through zero within it.",
     ),

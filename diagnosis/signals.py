@@ -181,6 +181,16 @@ class Signals:
         return self.per_run(lambda run: np.cumsum(np.abs(np.diff(self.smooth_x[run], prepend=self.smooth_x[run][0]))))
 
     @cached_property
+    def reversals(self) -> Floats:
+        """Turns of the motion since the recording began, shape (n,)."""
+
+        def counted(run: slice) -> Floats:
+            way = self.direction[run]
+            return np.cumsum(np.abs(np.diff(way, prepend=way[0])) > 1.0, dtype=np.float64)
+
+        return self.per_run(counted)
+
+    @cached_property
     def coordinates(self) -> dict[str, Floats]:
         """Every coordinate by its name, further channels included."""
         named = {

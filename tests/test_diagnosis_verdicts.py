@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from hystbench import datasets, models
+from hystbench.bench.cells import fitted_on
 from hystbench.datasets import Dataset, DatasetUnavailableError, Recording, concatenate
 from hystbench.datasets.recording_files import write_recording
 from hystbench.diagnosis.diagnosis import diagnose
@@ -146,14 +147,19 @@ def test_a_fitted_model_without_rate_lacks_viscous_friction() -> None:
 
 
 @pytest.mark.parametrize(
-    ("dataset", "model"), [("mr-damper", "prandtl-ishlinskii"), ("pneumatic-seal", "prandtl-ishlinskii")]
+    ("dataset", "model"),
+    [
+        *(("mr-damper", model) for model in sorted(KNOWN_CAUSES["mr-damper"].models - {"bouc-wen"})),
+        *(("pneumatic-seal", model) for model in ("prandtl-ishlinskii", "preisach", "dahl", "linear")),
+        ("friction-backlash-damper", "lugre"),
+    ],
 )
 def test_the_known_cause_is_found_in_recorded_data(dataset: str, model: str) -> None:
     try:
         data = datasets.source(dataset).load()
     except DatasetUnavailableError as reason:
         pytest.skip(str(reason))
-    fitted = models.get(model)().fit(*concatenate(data.train))
+    fitted, _ = fitted_on(model, data.train)
     cause = known_cause(fitted, dataset)
     assert cause is not None
     assert cause.agrees(diagnose_model(fitted, data).verdict)

@@ -10,6 +10,9 @@ from .base import Effect, Floats, Form, Parameter, Scene, geometric
 
 __all__ = ["CyclicSoftening"]
 
+FEWEST = 10
+"""Reversals below which their number is too coarse a count."""
+
 
 def _columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
     travel = scene.signals.travel
@@ -36,6 +39,10 @@ def _by_work(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return (-(1.0 - np.exp(-_work(scene) / shape[0])) * scene.torque)[:, None]
 
 
+def _by_reversals(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return (-(1.0 - np.exp(-scene.signals.reversals / shape[0])) * scene.torque)[:, None]
+
+
 class CyclicSoftening(Effect):
     """The Mullins effect of rubber, wear or damage: each cycle takes a little of the torque."""
 
@@ -43,7 +50,8 @@ class CyclicSoftening(Effect):
     title: ClassVar[str] = "cyclic softening"
     summary: ClassVar[str] = "torque that falls with accumulated travel (Mullins effect, wear, damage)"
     equation: ClassVar[str] = (
-        "y −= a w y_sim,  w = 1 − exp(−travel/L), travel/(L + travel), travel, travel^p or 1 − exp(−∫|y dx|/W)"
+        "y −= a w y_sim,  w = 1 − exp(−travel/L), travel/(L + travel), travel, travel^p, 1 − exp(−∫|y dx|/W) or "
+        "1 − exp(−reversals/N)"
     )
     coordinate: ClassVar[str] = "travel"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -53,16 +61,18 @@ class CyclicSoftening(Effect):
         ),
         Parameter("power", "1", 0.3, 0.95, "p of the travel"),
         Parameter("work_constant", "J", 0.0, np.inf, "W, of the work ∫|y dx|"),
+        Parameter("reversals_constant", "1", 0.0, np.inf, "N, half cycles after which 63 % of the loss has come"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("thermal_drift", "torque_gain")
 
     def forms(self, scene: Scene) -> list[Form]:
         total = float(scene.signals.travel.max())
         work = max(float(_work(scene).max()), 1e-300)
+        turns = float(scene.signals.reversals.max())
         lengths = [(t,) for t in geometric(0.04 * total, 1.5 * total, 7)]
         # Softening that is over within a thirtieth of the recording could not be told from a gain.
         limits = [(0.03 * total, 3.0 * total)]
-        return [
+        forms = [
             Form("linear", ("softening",), _columns, (0.0,), (1.0 / max(total, 1e-300),)),
             Form("exponential", ("softening",), _columns, (0.0,), (1.0,), ("travel_constant",), lengths,
                  limits),
@@ -73,3 +83,9 @@ class CyclicSoftening(Effect):
             Form("hyperbolic", ("softening",), _hyperbolic, (0.0,), (1.0,), ("travel_constant",), lengths,
                  limits),
         ]  # fmt: skip
+        if turns >= FEWEST:
+            forms.append(
+                Form("by reversals", ("softening",), _by_reversals, (0.0,), (1.0,), ("reversals_constant",),
+                     [(share * turns,) for share in (0.1, 0.3, 1.0)], [(0.03 * turns, 3.0 * turns)])
+            )  # fmt: skip
+        return forms
