@@ -24,6 +24,8 @@ SAME_BY_EYE = 0.008
 """Evidence a sample that a slightly different law could reverse: such alternatives are stated as ambiguous."""
 SAME_WHERE_POOR = 0.04
 """The same where all half cycles are alike."""
+IDLE = 5.0
+"""Evidence that an effect must bring to stand in for another."""
 NEEDED = 0.3
 """Evidence a sample by which an effect must be needed beside a simulator that is off by a tenth."""
 DOUBT = 0.5
@@ -36,6 +38,8 @@ EFFECT_COST_REFITTED = 12.0
 COMPANY_COST = 0.02
 """The same a sample, for effects beside others or beside a simulator that is off: a small misfit of one can always be
 patched by one more, however sure the improvement."""
+BESIDE_OFF = 0.012
+"""Evidence a sample that one effect must bring beside a simulator that may be off by a tenth to be more than its misfit."""
 COINCIDENCE = 200.0
 """Logarithm of the odds against effects of 2.5 times the gap; it grows as the square beyond 1.25."""
 STANDS_IN = ("torque_gain",)
@@ -109,7 +113,7 @@ def _prior(evidence: Evidence, hypothesis: Hypothesis, gap: float) -> float:
     # Beside a simulator that is off in many ways, an effect may always stand in for one more of them.
     refitted = is_refitted(hypothesis.scale) and not evidence.fitted
     cost = (EFFECT_COST_REFITTED if refitted else EFFECT_COST) * len(hypothesis.terms)
-    cost += _company(evidence) * (len(hypothesis.terms) - (0 if refitted else 1))
+    cost += COMPANY_COST * evidence.size * (len(hypothesis.terms) - (0 if refitted else 1))
     cost += sum(float(np.log(term.laws)) for term in hypothesis.terms)
     if evidence.fitted:
         return -cost
@@ -131,11 +135,16 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     found = [h for h in found if np.isfinite(priors[id(h)])]
     ranked = sorted(found, key=lambda h: -(h.score + priors[id(h)]))
     best = _simplest(evidence, ranked, energy)
-
-    refit = _judge_refit(evidence, best, energy)
     blank = found[0]
+
+    def is_needed(hypothesis: Hypothesis) -> bool:
+        return hypothesis.score - blank.score >= BESIDE_OFF * evidence.size
+
+    if not best.terms and not evidence.fitted:
+        best = next((h for h in ranked if len(h.terms) == 1 and is_needed(h)), best)
+    refit = _judge_refit(evidence, best, energy)
     own = best.score + _prior(evidence, best, size)
-    if best.terms and refit.miscalibrated and not evidence.fitted and own - blank.score < _company(evidence):
+    if best.terms and refit.miscalibrated and not evidence.fitted and not is_needed(best):
         # The simulator is off in any case: an effect beside must be needed, not only welcome.
         best, own = blank, blank.score
         refit = _judge_refit(evidence, best, energy)
@@ -173,7 +182,7 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         verdict.append(MISCALIBRATION)
     if _nothing(evidence, best, miscalibrated, features):
         verdict = []
-    elif _inadequate(features) or (miscalibrated and not expected and _overstretched(evidence, best, features)):
+    elif _inadequate(evidence, features) or (miscalibrated and not expected and _overstretched(evidence, best, features)):
         verdict = [UNKNOWN]
     stated = confidence(CONFIDENCE, verdict, features)
     if verdict and verdict != [UNKNOWN] and stated < DOUBT and not evidence.fitted:
@@ -225,10 +234,12 @@ def _weigh(
     near = (SAME_WHERE_POOR if _is_poor(evidence.scene.signals) else SAME_BY_EYE) * evidence.size
     posterior: dict[frozenset[str], float] = {}
     odds: dict[frozenset[str], float] = {}
+    known = {names: max(h.score for h in ranked if h.names == names) for names in {h.names for h in ranked}}
     for hypothesis, weight, score in zip(ranked, weights / weights.sum(), scores, strict=True):
         posterior[hypothesis.names] = posterior.get(hypothesis.names, 0.0) + float(weight)
         against = float(np.exp(np.clip(tempered * (score - own), -700.0, 50.0)))
-        if hypothesis.terms and hypothesis.score < blank.score + 5.0:
+        shared = known.get(hypothesis.names & best.names, blank.score)
+        if hypothesis.terms and hypothesis.score < shared + IDLE:
             # What stands in for the verdict here is the refitted simulator, not this effect.
             against = 0.0
         elif _simplified(hypothesis) == best.names != hypothesis.names:
@@ -272,11 +283,6 @@ def _judge_refit(evidence: Evidence, best: Hypothesis, energy: float) -> _Refit:
         # With no effect at all, what the refit takes is the gap.
         off = is_refitted(best.scale) or energy > floor**2
     return _Refit(held, left, gain, off and float(np.sqrt(np.mean(np.square(recalibration)))) > NEGLIGIBLE * floor)
-
-
-def _company(evidence: Evidence) -> float:
-    """Logarithm of the prior odds against an effect beside others or beside a simulator that is off."""
-    return COMPANY_COST * evidence.size
 
 
 def _is_poor(signals: Signals) -> bool:
@@ -347,12 +353,14 @@ def _nothing(evidence: Evidence, best: Hypothesis, miscalibrated: bool, features
     return not best.terms or float(np.sqrt(np.mean(np.square(best.signal)))) < NEGLIGIBLE * floor
 
 
-def _inadequate(features: dict[str, float]) -> bool:
+def _inadequate(evidence: Evidence, features: dict[str, float]) -> bool:
     """Whether the best explanation leaves structure that neither noise nor an inexact law accounts for."""
     gap, refitted = features["gap"], features["refitted"] and features["effects"] > 0
-    # Effects that widen the gap until the simulator is bent to meet them explain nothing.
+    # Effects that widen the gap until the simulator is bent to meet them explain nothing; one without which the most
+    # pliable simulator leaves much is there, and the simulator's errors happen to hide a part of it.
     least = 0.0 if features["signal"] > 1.5 * gap else WIDENING
-    if refitted and gap > 3.0 and features["closed_alone"] < least:
+    needed = features["effects"] == 1.0 and features["over_null"] >= NEEDED * evidence.size
+    if refitted and gap > 3.0 and features["closed_alone"] < least and not needed:
         return True
     return features["in_sample_left"] > features["forgiven"] or (features["closed"] < 0.5 and gap > 1.2)
 
