@@ -15,13 +15,17 @@ from .diagnosis import Diagnosis
 from .emulation import SimulatorScene, emulate
 from .evidence import Evidence, Hypothesis
 from .signals import Signals
-from .verdict import MISCALIBRATION, TEMPERATURE, is_refitted
+from .verdict import MISCALIBRATION, SAME_BY_EYE, TEMPERATURE, is_refitted
 
 __all__ = ["Limits", "candidate_motions", "design_next", "motion"]
 
 Floats = NDArray[np.float64]
 SETTLED = 4.6
 """Logarithm of the tempered odds (100 to 1) at which a pair counts as told apart."""
+CLEARLY = 1.5
+"""Margin over what two recordings together must bring for a pair not to be stated again."""
+LONGER = 0.1
+"""By so much of a pair a longer motion must tell more."""
 MOST_SAMPLES = 6000
 
 
@@ -104,43 +108,52 @@ def candidate_motions(limits: Limits) -> Iterator[tuple[str, Floats, Floats]]:
 
 
 def design_next(found: Diagnosis, target: Path) -> dict[str, Any] | None:
-    """Write the shortest candidate motion that settles most ambiguous pairs to ``target``.
+    """Write the shortest candidate motion that settles the ambiguous pairs best to ``target``.
 
     Returns CONTRACT's ``next_recording``; None if nothing is ambiguous or no motion within the limits settles a pair.
     """
     if not found.ambiguous:
         return None
     limits = limits_of(found.signals)
-    best: tuple[int, str, Floats, Floats, list[list[str]]] | None = None
+    best: tuple[float, str, Floats, Floats, list[list[str]]] | None = None
     for told, time, x in candidate_motions(limits):
-        if x.size > MOST_SAMPLES:
-            # Every so-manieth sample tells as much of so long a motion.
-            step = -(-x.size // MOST_SAMPLES)
-            trial_time, trial_x = time[::step], x[::step]
-        else:
-            trial_time, trial_x = time, x
-        settled = [pair for pair in found.ambiguous if settles(found, pair, trial_time, trial_x)]
-        if settled and (best is None or len(settled) > best[0]):
-            best = len(settled), told, time, x, settled
-        if len(settled) == len(found.ambiguous):
+        margins = [margin(found, pair, time, x) for pair in found.ambiguous]
+        settled = [pair for pair, m in zip(found.ambiguous, margins, strict=True) if m > 0.0]
+        worth = float(np.clip(margins, 0.0, 1.0).sum())
+        if settled and (best is None or worth > best[0] + LONGER):
+            best = worth, told, time, x, settled
+        if worth == len(found.ambiguous):
             break
     if best is None:
         return None
-    _, told, time, x, settled = best
+    *_, told, time, x, settled = best
     write_recording(target, {DEFAULT_TIME: time, DEFAULT_X: x})
     return {"why": f"{told}, {time[-1]:.0f} s within the recorded limits", "settles": settled, "file": target.name}
 
 
-def settles(found: Diagnosis, pair: Sequence[str], time: Floats, x: Floats) -> bool:
-    """Whether the motion would tell the pair apart, whichever of the two were the truth."""
-    return all(_told_apart(found, true, false, time, x) for true, false in (pair, pair[::-1]) if true != MISCALIBRATION)
+def margin(found: Diagnosis, pair: Sequence[str], time: Floats, x: Floats) -> float:
+    """How well the motion would tell the pair apart, whichever of the two were the truth.
+
+    Not at all up to 0; beyond 1 the new recording and the old ones together would not leave the pair stated again.
+    """
+    if x.size > MOST_SAMPLES:
+        # Every so-manieth sample tells as much of so long a motion.
+        step = -(-x.size // MOST_SAMPLES)
+        time, x = time[::step], x[::step]
+    brought = min(
+        _brought(found, true, false, time, x) for true, false in (pair, pair[::-1]) if true != MISCALIBRATION
+    )
+    enough = SETTLED / TEMPERATURE
+    certain = max(CLEARLY * SAME_BY_EYE * (found.signals.x.size + x.size), enough + 1.0)
+    return (brought - enough) / (certain - enough)
 
 
-def _told_apart(found: Diagnosis, true: str, false: str, time: Floats, x: Floats) -> bool:
+def _brought(found: Diagnosis, true: str, false: str, time: Floats, x: Floats) -> float:
+    """Evidence that the motion would bring for ``true`` over ``false`` if that were the truth."""
     truth = _with(found, true)
     rival = None if false == MISCALIBRATION else _with(found, false)
     if truth is None or (rival is None and false != MISCALIBRATION):
-        return False
+        return -np.inf
     y_sim = found.evidence.scene.emulator.anew(x)
     blank = Signals(time, x, y_sim, y_sim, [slice(0, x.size)], {})
     emulator = emulate(blank, None)
@@ -150,10 +163,8 @@ def _told_apart(found: Diagnosis, true: str, false: str, time: Floats, x: Floats
     evidence = Evidence(SimulatorScene(recorded, emulator))
     own = evidence.refine(evidence.fit(truth.terms)).score
     if rival is None:
-        against = evidence.fit((), tuple(scale for scale in evidence.scales if is_refitted(scale))).score
-    else:
-        against = evidence.refine(evidence.fit(rival.terms)).score
-    return TEMPERATURE * (own - against) > SETTLED
+        return own - evidence.fit((), tuple(scale for scale in evidence.scales if is_refitted(scale))).score
+    return own - evidence.refine(evidence.fit(rival.terms)).score
 
 
 def _with(found: Diagnosis, name: str) -> Hypothesis | None:

@@ -14,7 +14,7 @@ from .heldout import HeldOut, held_out, structured_power
 from .quantisation import torque_step
 from .signals import Signals
 
-__all__ = ["MISCALIBRATION", "UNKNOWN", "Choice", "choose", "effective_share"]
+__all__ = ["MISCALIBRATION", "SAME_BY_EYE", "TEMPERATURE", "UNKNOWN", "Choice", "choose", "effective_share"]
 
 Floats = NDArray[np.float64]
 MISCALIBRATION, UNKNOWN = "miscalibration", "unknown"
@@ -25,7 +25,8 @@ SAME_BY_EYE = 0.008
 SAME_WHERE_POOR = 0.04
 """The same where all half cycles are alike."""
 IDLE = 5.0
-"""Evidence that an effect must bring to stand in for another."""
+"""Evidence that an effect must bring to stand in for another; beside others, or beside a simulator that is off, it must
+be worth its company."""
 NEEDED = 0.3
 """Evidence a sample by which an effect must be needed beside a simulator that is off by a tenth."""
 DOUBT = 0.5
@@ -138,7 +139,8 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     blank = found[0]
 
     def is_needed(hypothesis: Hypothesis) -> bool:
-        return hypothesis.score - blank.score >= BESIDE_OFF * evidence.size
+        least = IDLE if _is_too_far_off(evidence, blank) else BESIDE_OFF * evidence.size
+        return hypothesis.score - blank.score >= least
 
     if not best.terms and not evidence.fitted:
         best = next((h for h in ranked if len(h.terms) == 1 and is_needed(h)), best)
@@ -238,8 +240,10 @@ def _weigh(
     for hypothesis, weight, score in zip(ranked, weights / weights.sum(), scores, strict=True):
         posterior[hypothesis.names] = posterior.get(hypothesis.names, 0.0) + float(weight)
         against = float(np.exp(np.clip(tempered * (score - own), -700.0, 50.0)))
-        shared = known.get(hypothesis.names & best.names, blank.score)
-        if hypothesis.terms and hypothesis.score < shared + IDLE:
+        rest = hypothesis.names & best.names
+        alone = BESIDE_OFF * evidence.size if is_refitted(hypothesis.scale) else IDLE
+        idle = COMPANY_COST * evidence.size if rest else alone
+        if hypothesis.terms and hypothesis.score < known.get(rest, blank.score) + idle:
             # What stands in for the verdict here is the refitted simulator, not this effect.
             against = 0.0
         elif _simplified(hypothesis) == best.names != hypothesis.names:
@@ -370,11 +374,15 @@ def _overstretched(evidence: Evidence, best: Hypothesis, features: dict[str, flo
 
     It is believed where the gap is as large as such errors make, and beside an effect without which much is left.
     """
-    if best.scale != max(evidence.scales):
-        return False
     if best.terms:
-        return features["over_null"] < NEEDED * evidence.size
-    return float(np.std(evidence.gap)) < 0.5 * best.scale[1] * float(np.std(evidence.scene.signals.y_sim))
+        return best.scale == max(evidence.scales) and features["over_null"] < NEEDED * evidence.size
+    return _is_too_far_off(evidence, best)
+
+
+def _is_too_far_off(evidence: Evidence, blank: Hypothesis) -> bool:
+    """Whether errors of a tenth would be needed to make a gap that is smaller than such errors make."""
+    made = 0.5 * blank.scale[1] * float(np.std(evidence.scene.signals.y_sim))
+    return blank.scale == max(evidence.scales) and float(np.std(evidence.gap)) < made
 
 
 def forgiven(gap: float, refitted: bool, fitted: bool = False) -> float:
