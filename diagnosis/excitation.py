@@ -17,7 +17,7 @@ from .evidence import Evidence, Hypothesis
 from .signals import Signals
 from .verdict import MISCALIBRATION, SAME_BY_EYE, TEMPERATURE, is_refitted
 
-__all__ = ["Limits", "candidate_motions", "design_next", "motion"]
+__all__ = ["Limits", "candidate_motions", "design_next", "margin", "motion"]
 
 Floats = NDArray[np.float64]
 SETTLED = 4.6
@@ -140,9 +140,7 @@ def margin(found: Diagnosis, pair: Sequence[str], time: Floats, x: Floats) -> fl
         # Every so-manieth sample tells as much of so long a motion.
         step = -(-x.size // MOST_SAMPLES)
         time, x = time[::step], x[::step]
-    brought = min(
-        _brought(found, true, false, time, x) for true, false in (pair, pair[::-1]) if true != MISCALIBRATION
-    )
+    brought = min(_brought(found, true, false, time, x) for true, false in (pair, pair[::-1]) if true != MISCALIBRATION)
     enough = SETTLED / TEMPERATURE
     certain = max(CLEARLY * SAME_BY_EYE * (found.signals.x.size + x.size), enough + 1.0)
     return (brought - enough) / (certain - enough)

@@ -94,9 +94,7 @@ def _again(signals: Signals, model: Any, explained: Floats) -> Any | None:
     """A model like this one, fitted to the recording less what is explained (n,); None where it cannot be."""
     try:
         again = type(model)()
-        again.fit(
-            signals.x, signals.y_real - explained, _groups(signals), **time_argument(again.fit, signals.time)
-        )
+        again.fit(signals.x, signals.y_real - explained, _groups(signals), **time_argument(again.fit, signals.time))
         output = _answer(again, signals, signals.x)
     except (AttributeError, InputError, np.linalg.LinAlgError, RuntimeError, TypeError):
         # Not every model can be fitted anew, or to everything.
@@ -113,7 +111,10 @@ def _best_alone(effect: Effect, scene: SimulatorScene) -> Floats | None:
             if not np.all(np.isfinite(columns)):
                 continue
             coefficients, reduction = boxed_least_squares(
-                (columns.T @ columns)[None], (columns.T @ scene.signals.gap)[None], np.array(form.lower), np.array(form.upper)
+                (columns.T @ columns)[None],
+                (columns.T @ scene.signals.gap)[None],
+                np.array(form.lower),
+                np.array(form.upper),
             )
             if reduction[0] > most:
                 best, most = columns @ coefficients[0], float(reduction[0])

@@ -66,6 +66,8 @@ RECALIBRATION_WORTH = 0.06
 """Share of the gap's energy that the refit must close to be called a miscalibration."""
 RECALIBRATION_SHARE = 0.15
 """Share of the gap's energy that the refit must close beside effects to be called a miscalibration in any case."""
+RECALIBRATION_CLEAR = 5.0
+"""The same over the noise's energy: less is what an inexact law leaves."""
 WIDENING = -0.5
 """Effects that alone would close less than this only bend the refitted simulator."""
 INEXACT = 0.3
@@ -178,13 +180,16 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         "in_sample_left": _left_to_noise(misfit_refit, signals, floor),
     }
     refitted = bool(features["refitted"] and best.terms)
-    features["forgiven"] = forgiven(features["gap"], refitted, evidence.fitted)
+    bent = refitted and not _is_clearly_there(evidence, features)
+    features["forgiven"] = forgiven(features["gap"], bent, evidence.fitted)
     verdict = sorted(best.names, key=lambda name: -float(np.mean(np.square(best.part(name)))))
     if miscalibrated and not expected:
         verdict.append(MISCALIBRATION)
     if _nothing(evidence, best, miscalibrated, features):
         verdict = []
-    elif _inadequate(evidence, features) or (miscalibrated and not expected and _overstretched(evidence, best, features)):
+    elif _inadequate(evidence, features) or (
+        miscalibrated and not expected and _overstretched(evidence, best, features)
+    ):
         verdict = [UNKNOWN]
     stated = confidence(CONFIDENCE, verdict, features)
     if verdict and verdict != [UNKNOWN] and stated < DOUBT and not evidence.fitted:
@@ -281,7 +286,7 @@ def _judge_refit(evidence: Evidence, best: Hypothesis, energy: float) -> _Refit:
         alone = float(np.mean(np.square((signals.gap - held.signal)[rows])))
         together = float(np.mean(np.square((signals.gap - held.signal - held.recalibration)[rows])))
         share = RECALIBRATION_SHARE_POOR if _is_poor(signals) else RECALIBRATION_SHARE
-        needed = alone - together > max(share * energy, 1.5 * floor**2)
+        needed = alone - together > max(share * energy, RECALIBRATION_CLEAR * floor**2)
         off = bool(needed or (is_refitted(best.scale) and gain > RECALIBRATION_WORTH))
     else:
         # With no effect at all, what the refit takes is the gap.
@@ -360,13 +365,20 @@ def _nothing(evidence: Evidence, best: Hypothesis, miscalibrated: bool, features
 def _inadequate(evidence: Evidence, features: dict[str, float]) -> bool:
     """Whether the best explanation leaves structure that neither noise nor an inexact law accounts for."""
     gap, refitted = features["gap"], features["refitted"] and features["effects"] > 0
-    # Effects that widen the gap until the simulator is bent to meet them explain nothing; one without which the most
-    # pliable simulator leaves much is there, and the simulator's errors happen to hide a part of it.
+    # Effects that widen the gap until the simulator is bent to meet them explain nothing.
     least = 0.0 if features["signal"] > 1.5 * gap else WIDENING
-    needed = features["effects"] == 1.0 and features["over_null"] >= NEEDED * evidence.size
-    if refitted and gap > 3.0 and features["closed_alone"] < least and not needed:
+    widened = features["closed_alone"] < least and not _is_clearly_there(evidence, features)
+    if refitted and gap > 3.0 and widened:
         return True
     return features["in_sample_left"] > features["forgiven"] or (features["closed"] < 0.5 and gap > 1.2)
+
+
+def _is_clearly_there(evidence: Evidence, features: dict[str, float]) -> bool:
+    """Whether one effect is named without which the most pliable simulator leaves much.
+
+    Then the simulator's errors may hide a part of it, but they do not imitate it.
+    """
+    return features["effects"] == 1.0 and features["over_null"] >= NEEDED * evidence.size
 
 
 def _overstretched(evidence: Evidence, best: Hypothesis, features: dict[str, float]) -> bool:

@@ -5,14 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from numpy.typing import NDArray
 
 from hystbench import datasets, models
 from hystbench.bench.cells import fitted_on
 from hystbench.datasets import Dataset, DatasetUnavailableError, Recording, concatenate
-from hystbench.datasets.recording_files import write_recording
+from hystbench.datasets.recording_files import DEFAULT_TIME, DEFAULT_X, write_recording
 from hystbench.diagnosis.diagnosis import diagnose
+from hystbench.diagnosis.excitation import design_next, margin
 from hystbench.diagnosis.from_benchmark import diagnose_model, gap_signals
 from hystbench.diagnosis.inputs import read_inputs
 from hystbench.diagnosis.known_causes import KNOWN_CAUSES, known_cause
@@ -106,6 +108,45 @@ def test_clearance_in_series_with_a_spring_is_a_dead_zone() -> None:
     away = np.abs(inner) > 0.02
     assert np.allclose((x - across)[away], inner[away], atol=1e-9)
     assert np.all(np.abs(across) <= 0.1)
+
+
+def _relaxing_branch(time: Floats, x: Floats, constant: float) -> Floats:
+    """A spring behind a dashpot, exact for a ramp between samples."""
+    step = float(time[1] - time[0])
+    keep = np.exp(-step / constant)
+    out = np.zeros_like(x)
+    for i in range(1, x.size):
+        out[i] = keep * out[i - 1] + constant / step * (1.0 - keep) * (x[i] - x[i - 1])
+    return out
+
+
+def test_an_effect_is_named_though_the_simulators_errors_hide_a_part_of_it() -> None:
+    time, x = rich_motion(4000)
+    y_real = spring(x) + 0.5 * _relaxing_branch(time, x, 0.5)
+    # A stiffer spring makes up for a part of the branch: without the branch's own error the gap would be larger.
+    y_sim = spring(x, 1.25, 0.68, 4.3, 0.31)
+    assert np.std(y_real - y_sim) < np.std(spring(x) - y_sim)
+    found = diagnose(signals_of(time, x, y_real, y_sim))
+    assert found.verdict == ["stress_relaxation", "miscalibration"]
+    assert found.closed_in_all > 0.9
+
+
+# ---- what to record next ---------------------------------------------------------------------------------------------
+
+
+def test_the_next_recording_tells_apart_what_the_same_motion_again_would_not(tmp_path: Path) -> None:
+    time, x = one_sine()
+    mass = 0.01 * np.gradient(np.gradient(x, time), time)
+    found = diagnose(signals_of(time, x, spring(x) + mass, spring(x)))
+    pair = ["inertia", "miscalibration"]
+    assert found.ambiguous == [pair]
+    assert margin(found, pair, time, x) <= 0.0
+    designed = design_next(found, tmp_path / "next.csv")
+    assert designed is not None
+    assert designed["settles"] == [pair]
+    planned = pd.read_csv(tmp_path / "next.csv")
+    assert margin(found, pair, planned[DEFAULT_TIME].to_numpy(), planned[DEFAULT_X].to_numpy()) > 0.0
+    assert np.max(np.abs(planned[DEFAULT_X])) <= np.max(np.abs(x)) * 1.001
 
 
 # ---- models as simulators --------------------------------------------------------------------------------------------
