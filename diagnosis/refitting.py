@@ -54,7 +54,7 @@ def refitted_beside(signals: Signals, model: Any, emulator: Emulator, effects: S
     Returns
     -------
     Emulator
-        The given one where the model cannot be fitted to these recordings.
+        The given one where the model cannot be fitted to these recordings, or stays what it is.
     """
     first = _again(signals, model, np.zeros_like(signals.gap))
     if first is None:
@@ -73,6 +73,8 @@ def refitted_beside(signals: Signals, model: Any, emulator: Emulator, effects: S
             changes.append(_answer(fitted, signals, signals.x) - signals.y_sim)
     left, size, _ = np.linalg.svd(np.column_stack(changes), full_matrices=False)
     kept = size > max(DISTINCT * size[0], 1e-9 * float(np.linalg.norm(signals.y_real)))
+    if not np.any(kept):
+        return emulator
     return replace(emulator, structure=np.empty((signals.x.size, 0)), bulk=left[:, kept] * size[kept] / STEP)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -10,7 +12,7 @@ from hystbench import models
 from hystbench.datasets import Dataset, Recording, concatenate
 from hystbench.diagnosis.diagnosis import known_effects
 from hystbench.diagnosis.emulation import emulate
-from hystbench.diagnosis.from_benchmark import diagnose_model
+from hystbench.diagnosis.from_benchmark import diagnose_model, gap_signals
 from hystbench.diagnosis.refitting import refitted_beside
 from hystbench.diagnosis.signals import Signals
 
@@ -98,6 +100,16 @@ def test_a_model_that_cannot_be_fitted_keeps_its_tangents() -> None:
     model = models.get("prandtl-ishlinskii")().fit(signals.x, signals.y_real, np.repeat([0, 1], 900))
     emulator = emulate(signals, model)
     assert refitted_beside(signals, _Given(), emulator, known_effects()) is emulator
+
+
+def test_a_model_that_was_fitted_to_the_same_recordings_keeps_its_tangents_and_lacks_nothing() -> None:
+    made = [recording(rate, 0.8, 0.0) for rate in (0.1, 1.0)]
+    data = replace(dataset(), train=made, test=[replace(r, warm_up=0) for r in made])
+    model = models.get("prandtl-ishlinskii")().fit(*concatenate(data.train))
+    signals = gap_signals(model, data)
+    emulator = emulate(signals, model)
+    assert refitted_beside(signals, model, emulator, known_effects()) is emulator
+    assert diagnose_model(model, data).verdict == []
 
 
 @pytest.mark.parametrize("timed", [True, False])
