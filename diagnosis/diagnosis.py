@@ -312,8 +312,7 @@ def _report(
 ) -> EffectReport:
     signals = evidence.scene.signals
     rmse, closed, interval = closed_share(signals.gap, signals.gap - held.parts[name], floor, seed)
-    left = signals.gap - hypothesis.signal
-    left = (left - evidence.absorbed(left[evidence.rows], hypothesis.scale)) * evidence.rows
+    left = evidence.left_over(hypothesis)
     exact = np.sqrt(max(structured_power(left, signals.runs, signals.stride), 0.0)) <= EXACT * floor
     term = next(t for t in hypothesis.terms if t.effect.id == name)
     return EffectReport(

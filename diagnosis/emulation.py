@@ -29,7 +29,7 @@ from ..models.least_squares import blocks, reduced
 from .operators import bristle, plays
 from .signals import Signals, differentiate
 
-__all__ = ["Emulator", "Generalised", "SimulatorScene", "emulate", "predict_generalised"]
+__all__ = ["Emulator", "Generalised", "SimulatorScene", "answers_of", "emulate", "predict_generalised"]
 
 Floats = NDArray[np.float64]
 ELEMENTS = 14
@@ -106,9 +106,8 @@ class SimulatorScene:
 def emulate(signals: Signals, model: Any | None) -> Emulator:
     """Identify the emulator; ``model`` is the simulator itself where it is at hand."""
     own = Generalised(signals)
-    groups = np.repeat(np.arange(len(signals.runs)), [run.stop - run.start for run in signals.runs])
     if model is not None:
-        return _of_model(model, signals, groups, *own.tangent())
+        return _of_model(model, signals, *own.tangent())
     best = Emulator(
         "generalised Prandtl-Ishlinskii",
         own.error,
@@ -119,26 +118,32 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
     )
     for name in COMPETITORS if own.error > GOOD_ENOUGH else ():
         try:
-            rival = models.get(name)().fit(signals.x, signals.y_sim, groups)
+            rival = models.get(name)().fit(signals.x, signals.y_sim, signals.groups)
         except (InputError, np.linalg.LinAlgError, RuntimeError):
             # This model cannot describe such a simulator: the emulator so far stays.
             continue
-        error = _relative_error(np.asarray(rival.predict(signals.x, groups)), signals.y_sim)
+        error = _relative_error(np.asarray(rival.predict(signals.x, signals.groups)), signals.y_sim)
         if error < best.error:
-            best = replace(_of_model(rival, signals, groups, best.structure, best.bulk), name=name, error=error)
+            best = replace(_of_model(rival, signals, best.structure, best.bulk), name=name, error=error)
     return best
 
 
-def _of_model(model: Any, signals: Signals, groups: NDArray[np.intp], structure: Floats, bulk: Floats) -> Emulator:
-    def predict(x: Floats) -> Floats:
-        return np.asarray(model.predict(x, groups, **time_argument(model.predict, signals.time)))
+def answers_of(model: Any, signals: Signals) -> Callable[[Floats], Floats]:
+    """A fitted model's output over the recordings' samples for any input there."""
 
+    def predict(x: Floats) -> Floats:
+        return np.asarray(model.predict(x, signals.groups, **time_argument(model.predict, signals.time)))
+
+    return predict
+
+
+def _of_model(model: Any, signals: Signals, structure: Floats, bulk: Floats) -> Emulator:
     def anew(x: Floats) -> Floats:
         time = signals.interval * np.arange(x.size, dtype=np.float64)
         return np.asarray(model.predict(x, **time_argument(model.predict, time)))
 
     described = {"model": model.id, "parameters": dict(model.parameters_)}
-    return Emulator("the simulator itself", 0.0, predict, anew, structure, bulk, described)
+    return Emulator("the simulator itself", 0.0, answers_of(model, signals), anew, structure, bulk, described)
 
 
 def _relative_error(predicted: Floats, wanted: Floats) -> float:

@@ -20,7 +20,7 @@ from scipy.optimize import least_squares
 from .effects.base import INPUT, SENSOR, TORQUE, Effect, Form
 from .emulation import SimulatorScene
 
-__all__ = ["Evidence", "Hypothesis", "Term", "boxed_least_squares"]
+__all__ = ["Evidence", "Hypothesis", "Term", "boxed_least_squares", "is_refitted"]
 
 Floats = NDArray[np.float64]
 Scale = tuple[float, float]
@@ -38,9 +38,14 @@ FITTED: dict[Scale, float] = {
 still more freedom the refit would take all of the effect again."""
 INADEQUACY = 0.04
 """No listed law is exact: what is left over within this share of the gap's RMS is not held against an effect."""
-SLIGHT = 0.02
-"""Relative error of the fine structure of a simulator that counts as exact."""
+FINE = 0.02
+"""Relative error of the simulator's fine structure that is no miscalibration: no two models agree better."""
 ORDER = {INPUT: 0, TORQUE: 1, SENSOR: 2}
+
+
+def is_refitted(scale: Scale) -> bool:
+    """Whether a scale means that the simulator's own parameters are off."""
+    return scale[1] > 0.0 or scale[0] > FINE
 
 
 @dataclass(frozen=True)
@@ -258,6 +263,11 @@ class Evidence:
         scene = self.scene
         return np.hstack([scene.emulator.structure, scene.emulator.bulk]) @ (self._to_basis @ modes)
 
+    def left_over(self, hypothesis: Hypothesis) -> Floats:
+        """What a hypothesis and the refitted simulator leave, shape (n,); zero where this fit does not look."""
+        residual = self.scene.signals.gap - hypothesis.signal
+        return (residual - self.absorbed(residual[self.rows], hypothesis.scale)) * self.rows
+
     # ---- fitting ---------------------------------------------------------------------------------------------------
 
     def fit(self, terms: Sequence[Term], scales: Sequence[Scale] = ()) -> Hypothesis:
@@ -333,7 +343,7 @@ class Evidence:
         """
         start = self.fit(terms)
         best = self.refine(start, evaluations)
-        exact = [scale for scale in self.scales if scale[1] == 0.0 and scale[0] <= SLIGHT]
+        exact = [scale for scale in self.scales if not is_refitted(scale)]
         if start.scale not in exact and any(term.shape for term in start.terms):
             beside = max(exact, key=lambda scale: start.by_scale[scale])
             found = self.fit(self.refine(self.fit(terms, (beside,)), evaluations, (beside,)).terms)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from ..datasets.recording_files import DEFAULT_TIME, DEFAULT_X, write_recording
 from .diagnosis import Diagnosis
 from .emulation import SimulatorScene, emulate
-from .evidence import Evidence, Hypothesis
+from .evidence import Evidence, Hypothesis, is_refitted
 from .signals import Signals
-from .verdict import MISCALIBRATION, SAME_BY_EYE, TEMPERATURE, is_refitted
+from .verdict import MISCALIBRATION, SAME_BY_EYE, TEMPERATURE
 
-__all__ = ["Limits", "candidate_motions", "design_next", "margin", "motion"]
+__all__ = ["Limits", "candidate_motions", "design_next", "margins", "motion"]
 
 Floats = NDArray[np.float64]
 SETTLED = 4.6
@@ -117,22 +117,22 @@ def design_next(found: Diagnosis, target: Path) -> dict[str, Any] | None:
     limits = limits_of(found.signals)
     best: tuple[float, str, Floats, Floats, list[list[str]]] | None = None
     for told, time, x in candidate_motions(limits):
-        margins = [margin(found, pair, time, x) for pair in found.ambiguous]
-        settled = [pair for pair, m in zip(found.ambiguous, margins, strict=True) if m > 0.0]
-        worth = float(np.clip(margins, 0.0, 1.0).sum())
+        told_apart = margins(found, time, x)
+        settled = [pair for pair, margin in zip(found.ambiguous, told_apart, strict=True) if margin > 0.0]
+        worth = float(np.clip(told_apart, 0.0, 1.0).sum())
         if settled and (best is None or worth > best[0] + LONGER):
             best = worth, told, time, x, settled
         if worth == len(found.ambiguous):
             break
     if best is None:
         return None
-    *_, told, time, x, settled = best
+    _, told, time, x, settled = best
     write_recording(target, {DEFAULT_TIME: time, DEFAULT_X: x})
     return {"why": f"{told}, {time[-1]:.0f} s within the recorded limits", "settles": settled, "file": target.name}
 
 
-def margin(found: Diagnosis, pair: Sequence[str], time: Floats, x: Floats) -> float:
-    """How well the motion would tell the pair apart, whichever of the two were the truth.
+def margins(found: Diagnosis, time: Floats, x: Floats) -> list[float]:
+    """How well the motion would tell each ambiguous pair apart, whichever of the two were the truth.
 
     Not at all up to 0; beyond 1 the new recording and the old ones together would not leave the pair stated again.
     """
@@ -140,25 +140,29 @@ def margin(found: Diagnosis, pair: Sequence[str], time: Floats, x: Floats) -> fl
         # Every so-manieth sample tells as much of so long a motion.
         step = -(-x.size // MOST_SAMPLES)
         time, x = time[::step], x[::step]
-    brought = min(_brought(found, true, false, time, x) for true, false in (pair, pair[::-1]) if true != MISCALIBRATION)
+    y_sim = found.evidence.scene.emulator.anew(x)
+    blank = Signals(time, x, y_sim, y_sim, [slice(0, x.size)], {})
+    scene = SimulatorScene(blank, emulate(blank, None))
     enough = SETTLED / TEMPERATURE
     certain = max(CLEARLY * SAME_BY_EYE * (found.signals.x.size + x.size), enough + 1.0)
-    return (brought - enough) / (certain - enough)
+    made = []
+    for pair in found.ambiguous:
+        orders = [(true, false) for true, false in (pair, pair[::-1]) if true != MISCALIBRATION]
+        brought = min(_brought(found, scene, true, false) for true, false in orders)
+        made.append((brought - enough) / (certain - enough))
+    return made
 
 
-def _brought(found: Diagnosis, true: str, false: str, time: Floats, x: Floats) -> float:
-    """Evidence that the motion would bring for ``true`` over ``false`` if that were the truth."""
+def _brought(found: Diagnosis, scene: SimulatorScene, true: str, false: str) -> float:
+    """Evidence that a motion, of which the simulator's ``scene`` is known, would bring for ``true`` over ``false``."""
     truth = _with(found, true)
     rival = None if false == MISCALIBRATION else _with(found, false)
     if truth is None or (rival is None and false != MISCALIBRATION):
         return -np.inf
-    y_sim = found.evidence.scene.emulator.anew(x)
-    blank = Signals(time, x, y_sim, y_sim, [slice(0, x.size)], {})
-    emulator = emulate(blank, None)
-    signal = truth.signal_on(SimulatorScene(blank, emulator))
-    noise = found.noise_floor * np.random.default_rng(found.seed).standard_normal(x.size)
-    recorded = Signals(time, x, y_sim + signal + noise, y_sim, [slice(0, x.size)], {})
-    evidence = Evidence(SimulatorScene(recorded, emulator))
+    planned = scene.signals
+    noise = found.noise_floor * np.random.default_rng(found.seed).standard_normal(planned.x.size)
+    recorded = replace(planned, y_real=planned.y_sim + truth.signal_on(scene) + noise)
+    evidence = Evidence(SimulatorScene(recorded, scene.emulator))
     own = evidence.refine(evidence.fit(truth.terms)).score
     if rival is None:
         return own - evidence.fit((), tuple(scale for scale in evidence.scales if is_refitted(scale))).score

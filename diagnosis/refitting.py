@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..bench.arguments import time_argument
 from ..errors import InputError
 from .effects.base import INPUT, Effect
-from .emulation import Emulator, SimulatorScene
+from .emulation import Emulator, SimulatorScene, answers_of
 from .evidence import boxed_least_squares
 from .signals import Signals
 
@@ -56,21 +56,21 @@ def refitted_beside(signals: Signals, model: Any, emulator: Emulator, effects: S
     Emulator
         The given one where the model cannot be fitted to these recordings, or stays what it is.
     """
-    first = _again(signals, model, np.zeros_like(signals.gap))
+    first = _again(signals, model, emulator, np.zeros_like(signals.gap))
     if first is None:
         return emulator
-    changes = [_answer(first, signals, signals.x) - signals.y_sim]
+    changes = [first.torque - signals.y_sim]
     for effect in effects:
-        fitted = first
+        beside = first
         # What an effect on the input adds depends on the model, so it is asked again beside the one fitted with it.
         for _ in range(ROUNDS if effect.acts_on == INPUT else 1):
-            added = _best_alone(effect, _scene(signals, fitted, emulator))
-            again = None if added is None else _again(signals, model, added)
+            added = _best_alone(effect, beside)
+            again = None if added is None else _again(signals, model, emulator, added)
             if again is None:
                 break
-            fitted = again
-        if fitted is not first:
-            changes.append(_answer(fitted, signals, signals.x) - signals.y_sim)
+            beside = again
+        if beside is not first:
+            changes.append(beside.torque - signals.y_sim)
     left, size, _ = np.linalg.svd(np.column_stack(changes), full_matrices=False)
     kept = size > max(DISTINCT * size[0], 1e-9 * float(np.linalg.norm(signals.y_real)))
     if not np.any(kept):
@@ -78,30 +78,20 @@ def refitted_beside(signals: Signals, model: Any, emulator: Emulator, effects: S
     return replace(emulator, structure=np.empty((signals.x.size, 0)), bulk=left[:, kept] * size[kept] / STEP)
 
 
-def _groups(signals: Signals) -> NDArray[np.intp]:
-    return np.repeat(np.arange(len(signals.runs)), [run.stop - run.start for run in signals.runs])
-
-
-def _answer(model: Any, signals: Signals, x: Floats) -> Floats:
-    return np.asarray(model.predict(x, _groups(signals), **time_argument(model.predict, signals.time)))
-
-
-def _scene(signals: Signals, model: Any, emulator: Emulator) -> SimulatorScene:
-    """The recording beside another model of the same class."""
-    beside = replace(signals, y_sim=_answer(model, signals, signals.x))
-    return SimulatorScene(beside, replace(emulator, predict=lambda x: _answer(model, signals, x)))
-
-
-def _again(signals: Signals, model: Any, explained: Floats) -> Any | None:
-    """A model like this one, fitted to the recording less what is explained (n,); None where it cannot be."""
+def _again(signals: Signals, model: Any, emulator: Emulator, explained: Floats) -> SimulatorScene | None:
+    """The recording beside a model like this one, fitted to it less what is explained (n,); None where it cannot be."""
     try:
         again = type(model)()
-        again.fit(signals.x, signals.y_real - explained, _groups(signals), **time_argument(again.fit, signals.time))
-        output = _answer(again, signals, signals.x)
+        time = time_argument(again.fit, signals.time)
+        again.fit(signals.x, signals.y_real - explained, signals.groups, **time)
+        answers = answers_of(again, signals)
+        output = answers(signals.x)
     except (AttributeError, InputError, np.linalg.LinAlgError, RuntimeError, TypeError):
         # Not every model can be fitted anew, or to everything.
         return None
-    return again if np.all(np.isfinite(output)) else None
+    if not np.all(np.isfinite(output)):
+        return None
+    return SimulatorScene(replace(signals, y_sim=output), replace(emulator, predict=answers), base=output)
 
 
 def _best_alone(effect: Effect, scene: SimulatorScene) -> Floats | None:

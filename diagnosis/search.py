@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .effects.base import Effect
-from .evidence import Evidence, Hypothesis, Scale, Term, boxed_least_squares, count_unknowns
+from .evidence import Evidence, Hypothesis, Scale, Term, boxed_least_squares, count_unknowns, is_refitted
 
 __all__ = ["Library", "search"]
 
@@ -259,5 +259,5 @@ def _at_most(
 def _likely_scales(fitted: Hypothesis, count: int = 4) -> list[Scale]:
     """The scales of parameter errors worth trying with one more effect: its best, and those with the least refit."""
     ranked = sorted(fitted.by_scale, key=lambda scale: -fitted.by_scale[scale])[:count]
-    exact = [scale for scale in fitted.by_scale if scale[1] == 0.0 and 0.0 < scale[0] <= 0.02]
+    exact = [scale for scale in fitted.by_scale if scale[0] > 0.0 and not is_refitted(scale)]
     return [*ranked, *(scale for scale in exact if scale not in ranked)]

@@ -97,6 +97,11 @@ class Signals:
         return about if np.mean(about) <= MOST_KNOCKS else np.zeros_like(about)
 
     @cached_property
+    def groups(self) -> NDArray[np.intp]:
+        """Number of the recording that each sample belongs to, shape (n,)."""
+        return np.repeat(np.arange(len(self.runs)), [run.stop - run.start for run in self.runs])
+
+    @cached_property
     def interval(self) -> float:
         """Median time between samples, s."""
         return float(np.median(np.concatenate([np.diff(self.time[run]) for run in self.runs])))

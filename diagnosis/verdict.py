@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .calibration import CONFIDENCE, confidence
-from .evidence import Evidence, Hypothesis, Scale
+from .evidence import FINE, Evidence, Hypothesis, is_refitted
 from .heldout import HeldOut, held_out, structured_power
 from .quantisation import torque_step
 from .signals import Signals
@@ -76,8 +76,6 @@ INEXACT_FITTED = 0.45
 """The same for a model fitted to recorded data, whose own law is inexact too."""
 RECALIBRATION_SHARE_POOR = 0.3
 """The same where all half cycles are alike: there the refit makes up for any law that is not quite exact."""
-FINE = 0.02
-"""Relative error of the simulator's fine structure that is no miscalibration: no two models agree better."""
 
 
 @dataclass(frozen=True)
@@ -102,9 +100,9 @@ class Choice:
     """Step in which the recorded torque comes, N·m, where it makes up the gap; 0 otherwise."""
 
 
-def is_refitted(scale: Scale) -> bool:
-    """Whether a scale means that the simulator's own parameters are off."""
-    return scale[1] > 0.0 or scale[0] > FINE
+def _is_beside_refit(evidence: Evidence, hypothesis: Hypothesis) -> bool:
+    """Whether effects are judged beside a simulator that is off, for other reasons than that it was fitted without them."""
+    return bool(hypothesis.terms) and is_refitted(hypothesis.scale) and not evidence.fitted
 
 
 def _prior(evidence: Evidence, hypothesis: Hypothesis, gap: float) -> float:
@@ -114,7 +112,7 @@ def _prior(evidence: Evidence, hypothesis: Hypothesis, gap: float) -> float:
     if any(term.effect.is_degenerate(hypothesis.parameters(term.effect.id)) for term in hypothesis.terms):
         return -np.inf
     # Beside a simulator that is off in many ways, an effect may always stand in for one more of them.
-    refitted = is_refitted(hypothesis.scale) and not evidence.fitted
+    refitted = _is_beside_refit(evidence, hypothesis)
     cost = (EFFECT_COST_REFITTED if refitted else EFFECT_COST) * len(hypothesis.terms)
     cost += COMPANY_COST * evidence.size * (len(hypothesis.terms) - (0 if refitted else 1))
     cost += sum(float(np.log(term.laws)) for term in hypothesis.terms)
@@ -179,8 +177,7 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         "closed_alone": 1.0 - (float(np.mean(np.square((signals.gap - held.signal)[rows]))) - floor**2) / energy,
         "in_sample_left": _left_to_noise(misfit_refit, signals, floor),
     }
-    refitted = bool(features["refitted"] and best.terms)
-    bent = refitted and not _is_clearly_there(evidence, features)
+    bent = _is_beside_refit(evidence, best) and not _is_clearly_there(evidence, features)
     features["forgiven"] = forgiven(features["gap"], bent, evidence.fitted)
     verdict = sorted(best.names, key=lambda name: -float(np.mean(np.square(best.part(name)))))
     if miscalibrated and not expected:
@@ -241,7 +238,7 @@ def _weigh(
     near = (SAME_WHERE_POOR if _is_poor(evidence.scene.signals) else SAME_BY_EYE) * evidence.size
     posterior: dict[frozenset[str], float] = {}
     odds: dict[frozenset[str], float] = {}
-    known = {names: max(h.score for h in ranked if h.names == names) for names in {h.names for h in ranked}}
+    known = {hypothesis.names: hypothesis.score for hypothesis in ranked}
     for hypothesis, weight, score in zip(ranked, weights / weights.sum(), scores, strict=True):
         posterior[hypothesis.names] = posterior.get(hypothesis.names, 0.0) + float(weight)
         against = float(np.exp(np.clip(tempered * (score - own), -700.0, 50.0)))
@@ -277,8 +274,8 @@ def _judge_refit(evidence: Evidence, best: Hypothesis, energy: float) -> _Refit:
     signals, floor = evidence.scene.signals, evidence.sigma
     fixed = evidence.fit(best.terms, tuple(scale for scale in best.by_scale if not is_refitted(scale)))
     recalibration = evidence.absorbed(evidence.gap - best.signal[evidence.rows], best.scale)
-    left = _left_over(evidence, best)
-    gain = float(np.mean(np.square(_left_over(evidence, fixed))) - np.mean(np.square(left))) / energy
+    left = evidence.left_over(best)
+    gain = float(np.mean(np.square(evidence.left_over(fixed))) - np.mean(np.square(left))) / energy
     held = held_out(evidence, best)
     if best.terms:
         # What the refit closes of the gap, on unseen samples, and beyond what fine structure would close.
@@ -409,12 +406,6 @@ def forgiven(gap: float, refitted: bool, fitted: bool = False) -> float:
     return max(0.2 + 0.042 * gap if refitted else 0.3 + 0.045 * gap, share * gap)
 
 
-def _left_over(evidence: Evidence, hypothesis: Hypothesis) -> Floats:
-    """What a hypothesis and the refitted simulator leave, shape (n,); zero where the evidence does not look."""
-    residual = evidence.scene.signals.gap - hypothesis.signal
-    return (residual - evidence.absorbed(residual[evidence.rows], hypothesis.scale)) * evidence.rows
-
-
 def _simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) -> Hypothesis:
     """The best hypothesis, less the effects that are not worth naming, general effects replaced by special cases.
 
@@ -435,8 +426,8 @@ def _simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) -
         return fitted, (fitted.rss - top.rss) / evidence.size / energy
 
     def is_adequate(hypothesis: Hypothesis) -> bool:
-        bent = bool(hypothesis.terms) and is_refitted(hypothesis.scale) and not evidence.fitted
-        left = _left_to_noise(_left_over(evidence, hypothesis), evidence.scene.signals, evidence.sigma)
+        bent = _is_beside_refit(evidence, hypothesis)
+        left = _left_to_noise(evidence.left_over(hypothesis), evidence.scene.signals, evidence.sigma)
         return left <= forgiven(float(np.sqrt(energy)) / evidence.sigma, bent, evidence.fitted)
 
     changed, explained = True, is_adequate(top)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from joints import sliders
 from numpy.typing import NDArray
 
 from hystbench.diagnosis.delivery import sentence
@@ -21,14 +22,7 @@ REACH = 0.9
 
 def joint(x: Floats) -> Floats:
     """A hardening spring and three springs with sliders."""
-    out = 4.0 * x + 0.6 * x**3
-    for stiffness, limit in ((6.0, 0.12), (2.0, 0.15), (0.8, 0.16)):
-        force, last = 0.0, 0.0
-        for i, value in enumerate(x):
-            force = min(max(force + stiffness * (value - last), -limit), limit)
-            last = value
-            out[i] += force
-    return out
+    return 4.0 * x + 0.6 * x**3 + sliders(x, ((6.0, 0.12), (2.0, 0.15), (0.8, 0.16)))
 
 
 def motion(size: int = 3500) -> tuple[Floats, Floats]:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from joints import sliders
 from numpy.typing import NDArray
 
 from hystbench import models
@@ -22,14 +23,7 @@ NOISE = 0.01
 
 def joint(x: Floats) -> Floats:
     """A spring and two sliders."""
-    out = 3.0 * x
-    for stiffness, limit in ((4.0, 0.2), (1.0, 0.3)):
-        force, last = 0.0, 0.0
-        for i, value in enumerate(x):
-            force = min(max(force + stiffness * (value - last), -limit), limit)
-            last = value
-            out[i] += force
-    return out
+    return 3.0 * x + sliders(x, ((4.0, 0.2), (1.0, 0.3)))
 
 
 def recording(rate: float, amplitude: float, damping: float) -> Recording:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from joints import sliders
 from numpy.typing import NDArray
 
 from hystbench import datasets, models
@@ -14,7 +15,7 @@ from hystbench.bench.cells import fitted_on
 from hystbench.datasets import Dataset, DatasetUnavailableError, Recording, concatenate
 from hystbench.datasets.recording_files import DEFAULT_TIME, DEFAULT_X, write_recording
 from hystbench.diagnosis.diagnosis import diagnose
-from hystbench.diagnosis.excitation import design_next, margin
+from hystbench.diagnosis.excitation import design_next, margins
 from hystbench.diagnosis.from_benchmark import diagnose_model, gap_signals
 from hystbench.diagnosis.inputs import read_inputs
 from hystbench.diagnosis.known_causes import KNOWN_CAUSES, known_cause
@@ -29,13 +30,8 @@ NOISE = 0.015
 def spring(x: Floats, up: float = 1.2, down: float = 0.7, stiffness: float = 4.0, friction: float = 0.3) -> Floats:
     """A spring that hardens differently up and down, and elastic-plastic elements."""
     out = stiffness * x + up * np.maximum(x, 0.0) ** 3 - down * np.maximum(-x, 0.0) ** 3
-    for share, reach in ((0.5, 0.03), (0.3, 0.1), (0.2, 0.25)):
-        force, last, limit = 0.0, 0.0, share * friction
-        for i, value in enumerate(x):
-            force = min(max(force + limit / reach * (value - last), -limit), limit)
-            last = value
-            out[i] += force
-    return out
+    elements = ((0.5, 0.03), (0.3, 0.1), (0.2, 0.25))
+    return out + sliders(x, ((share * friction / reach, share * friction) for share, reach in elements))
 
 
 def rich_motion(size: int = 3000) -> tuple[Floats, Floats]:
@@ -140,12 +136,14 @@ def test_the_next_recording_tells_apart_what_the_same_motion_again_would_not(tmp
     found = diagnose(signals_of(time, x, spring(x) + mass, spring(x)))
     pair = ["inertia", "miscalibration"]
     assert found.ambiguous == [pair]
-    assert margin(found, pair, time, x) <= 0.0
+    (same_again,) = margins(found, time, x)
+    assert same_again <= 0.0
     designed = design_next(found, tmp_path / "next.csv")
     assert designed is not None
     assert designed["settles"] == [pair]
     planned = pd.read_csv(tmp_path / "next.csv")
-    assert margin(found, pair, planned[DEFAULT_TIME].to_numpy(), planned[DEFAULT_X].to_numpy()) > 0.0
+    (settled,) = margins(found, planned[DEFAULT_TIME].to_numpy(), planned[DEFAULT_X].to_numpy())
+    assert settled > 0.0
     assert np.max(np.abs(planned[DEFAULT_X])) <= np.max(np.abs(x)) * 1.001
 
 
