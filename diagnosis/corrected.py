@@ -25,6 +25,8 @@ __all__ = ["CorrectedSimulator", "corrected_simulator", "formula"]
 Floats = NDArray[np.float64]
 ARRAYS = ("thresholds", "lengths", "elastic", "placed", "weights", "rates")
 NUMBERS = ("reach", "fast")
+INELASTIC = {"reach": 1.0, "elastic": [0.0], "thresholds": [], "lengths": [], "weights": []}
+"""Of a model file that does not tell the elastic part: all is friction."""
 
 
 class _CausalSignals(Signals):
@@ -47,7 +49,8 @@ class CorrectedSimulator(HysteresisModel):
     and position-dependent width; ``hystbench diagnose`` adds effects.
 
     ``from_parameters`` takes ``interval`` (s between samples, because effects depend on time), ``base`` (``model``: a
-    registered id or ``"generalised"``, and its ``parameters``) and ``effects`` (each ``effect``, ``form``, ``shape``,
+    registered id or ``"generalised"``, its ``parameters``, and for a registered model ``split``: parameters of the built-in
+    emulator, which tell its elastic part) and ``effects`` (each ``effect``, ``form``, ``shape``,
     ``coefficients``).
     """
 
@@ -84,15 +87,12 @@ class CorrectedSimulator(HysteresisModel):
         if not isinstance(base, Mapping) or not isinstance(base.get("parameters"), Mapping):
             raise InputError("parameter base must hold model and parameters")
         if base.get("model") == "generalised":
-            given = base["parameters"]
-            missing = [name for name in (*ARRAYS, *NUMBERS) if name not in given]
-            if missing:
-                raise InputError(f"parameter base lacks {', '.join(missing)}")
-            inner: dict[str, Any] = {name: parameter_array(name, given[name], (None,)).tolist() for name in ARRAYS}
-            inner |= {name: parameter_number(name, given[name]) for name in NUMBERS}
+            checked: dict[str, Any] = {"parameters": _checked_emulator(base["parameters"])}
         else:
             made = models.get(str(base.get("model"))).from_parameters(**base["parameters"])
-            inner = {name: _plain(value) for name, value in made.parameters_.items()}
+            checked = {"parameters": {name: _plain(value) for name, value in made.parameters_.items()}}
+            if base.get("split") is not None:
+                checked["split"] = _checked_emulator(base["split"])
         if not isinstance(effects, Sequence) or isinstance(effects, str):
             raise InputError("parameter effects must be a list")
         kept = []
@@ -104,7 +104,7 @@ class CorrectedSimulator(HysteresisModel):
                 "shape": [parameter_number("shape", v) for v in entry["shape"]],
                 "coefficients": [parameter_number("coefficients", v) for v in entry["coefficients"]],
             })  # fmt: skip
-        return {"interval": interval, "base": {"model": str(base["model"]), "parameters": inner}, "effects": kept}
+        return {"interval": interval, "base": {"model": str(base["model"]), **checked}, "effects": kept}
 
     def _prepare(self) -> None:
         from . import registry
@@ -112,10 +112,12 @@ class CorrectedSimulator(HysteresisModel):
         base = self.parameters_["base"]
         if base["model"] == "generalised":
             inner = {name: np.asarray(value) for name, value in base["parameters"].items()}
+            self._split = inner
             self._base = lambda x: predict_generalised(inner, x, [slice(0, x.size)], *self._derivatives(x))
         else:
             model = models.get(base["model"]).from_parameters(**base["parameters"])
             interval = self.parameters_["interval"]
+            self._split = base.get("split", INELASTIC)
             self._base = lambda x: np.asarray(
                 model.predict(x, **time_argument(model.predict, interval * np.arange(x.size, dtype=np.float64)))
             )
@@ -134,7 +136,7 @@ class CorrectedSimulator(HysteresisModel):
         time = np.arange(x.size) * self.parameters_["interval"]
         signals = _CausalSignals(time, x, y, y, [slice(0, x.size)], {})
         nothing = np.empty((x.size, 0))
-        scene = SimulatorScene(signals, Emulator("", 0.0, self._base, self._base, nothing, nothing, {}))
+        scene = SimulatorScene(signals, Emulator("", 0.0, self._base, self._base, nothing, nothing, {}, self._split))
         terms, coefficients = [], []
         for effect, entry in self._effects:
             form = next((f for f in effect.forms(scene) if f.name == entry["form"]), None)
@@ -145,6 +147,17 @@ class CorrectedSimulator(HysteresisModel):
         guess = np.array(coefficients)
         columns = effect_columns(scene, terms, guess)
         return y + columns @ guess
+
+
+def _checked_emulator(given: Any) -> dict[str, Any]:
+    """Parameters of the built-in emulator."""
+    if not isinstance(given, Mapping):
+        raise InputError("parameter base must hold parameters by name")
+    missing = [name for name in (*ARRAYS, *NUMBERS) if name not in given]
+    if missing:
+        raise InputError(f"parameter base lacks {', '.join(missing)}")
+    arrays = {name: parameter_array(name, given[name], (None,)).tolist() for name in ARRAYS}
+    return arrays | {name: parameter_number(name, given[name]) for name in NUMBERS}
 
 
 def _plain(value: Any) -> Any:

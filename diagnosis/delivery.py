@@ -10,7 +10,8 @@ import click
 
 from ..errors import InputError
 from ..files import write_text
-from .diagnosis import Diagnosis, diagnose
+from .diagnosis import Diagnosis
+from .from_benchmark import diagnose_as_is_or_fitted
 from .inputs import read_inputs
 from .verdict import MISCALIBRATION, UNKNOWN
 
@@ -38,7 +39,7 @@ def deliver(
     if json_file is not None and json_file.is_dir():
         raise InputError(f"--json {json_file} is a folder; name a file")
     signals, model = read_inputs(real, simulators, **columns)
-    found = diagnose(signals, model, exclude, seed)
+    found = diagnose_as_is_or_fitted(signals, model, exclude, seed)
     lines = []
     if out is not None:
         from ..reports.diagnosis_page import write_diagnosis
@@ -64,6 +65,8 @@ def sentence(found: Diagnosis) -> str:
     if found.choice.torque_step > 0.0:
         step = f"{found.choice.torque_step:.3g} {found.signals.unit}"
         return f"The gap of {found.rmse:.3g} {found.signals.unit} is the torque sensor's: it counts in steps of {step} {sure}."
+    if found.choice.hum > 0.0:
+        return f"The gap of {found.rmse:.3g} {found.signals.unit} is a hum at {found.choice.hum:.3g} Hz, no effect of the joint {sure}."
     if found.verdict == [UNKNOWN]:
         return f"The gap of {found.rmse:.3g} {found.signals.unit} is real, but no effect that is known here explains it {sure}."
     titles = {report.name: report.name.replace("_", " ") for report in found.effects}

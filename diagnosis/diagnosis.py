@@ -25,6 +25,8 @@ __all__ = ["SCHEMA", "Diagnosis", "EffectReport", "diagnose", "known_effects"]
 
 Floats = NDArray[np.float64]
 SCHEMA = "hystbench/diagnosis/1"
+OF_TIME = ("time", "speed", "acceleration")
+"""Coordinates that a recording without a clock does not have; nothing can be said of effects that show there."""
 REPORTED = 5
 """Effects beyond the verdict that are reported with held-out figures."""
 RIVAL = 0.05
@@ -171,6 +173,8 @@ def diagnose(
     InputError
         If every effect is excluded.
     """
+    if not signals.timed:
+        exclude = {*exclude, *(effect.id for effect in known_effects() if effect.coordinate in OF_TIME)}
     effects = known_effects(exclude)
     if not effects:
         raise InputError("every effect is excluded; leave at least one")
@@ -186,7 +190,7 @@ def diagnose(
         if _is_better(signals, again[2], choice, seed):
             evidence, found, choice = again
             calm = True
-    floor = evidence.sigma
+    floor = signals.noise_floor
 
     blank = next(h for h in found if not h.terms)
     recalibrated = held_out(evidence, evidence.fit((), (max(blank.by_scale, key=lambda s: blank.by_scale[s]),)), 0)
@@ -203,6 +207,12 @@ def diagnose(
     if model is None:
         notes.append(
             f"the simulator is emulated by {emulator.name}, error {100.0 * emulator.error:.2g} % of its output"
+        )
+    if not signals.timed:
+        notes.append("no time was recorded, so nothing can be said of rates and of drifts")
+    if choice.hum > 0.0:
+        notes.append(
+            f"the gap hums at {choice.hum:.3g} Hz, or at a frequency that the sampling folds there: shield or filter it"
         )
     if choice.torque_step > 0.0:
         notes.append(

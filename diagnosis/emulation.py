@@ -29,7 +29,16 @@ from ..models.least_squares import blocks, reduced
 from .operators import bristle, plays
 from .signals import Signals, differentiate
 
-__all__ = ["Emulator", "Generalised", "SimulatorScene", "answers_of", "emulate", "predict_generalised"]
+__all__ = [
+    "Emulator",
+    "Generalised",
+    "SimulatorScene",
+    "answers_of",
+    "emulate",
+    "predict_generalised",
+    "spring_of",
+    "strength_of",
+]
 
 Floats = NDArray[np.float64]
 ELEMENTS = 14
@@ -57,7 +66,10 @@ class Emulator:
     structure, bulk : array, shape (n, m)
         Change of the output for a relative change of each parameter by one: fine structure, and bulk.
     parameters : dict
-        What rebuilds it: ``model`` (a registered id, or ``"generalised"``) and ``parameters``.
+        What rebuilds it: ``model`` (a registered id, or ``"generalised"``) and ``parameters``; of a registered model also
+        ``split``.
+    split : dict
+        Parameters of the built-in emulator, which tell its elastic curve from what has memory.
     """
 
     name: str
@@ -69,6 +81,7 @@ class Emulator:
     structure: Floats
     bulk: Floats
     parameters: Mapping[str, Any]
+    split: Mapping[str, Any]
 
 
 class SimulatorScene:
@@ -82,10 +95,35 @@ class SimulatorScene:
         self.torque = signals.y_sim if torque is None else torque
         self._base = emulator.predict(signals.x) if base is None else base
         self._remembered: OrderedDict[Hashable, Floats] = OrderedDict()
+        self._lasting: dict[str, Floats] = {}
 
     def torque_change(self, x: Floats) -> Floats:
         """Change of the simulator's output if its input were ``x`` (n,), N·m."""
         return self.emulator.predict(x) - self._base
+
+    @property
+    def spring(self) -> Floats:
+        """The elastic part of the simulator's output, N·m, shape (n,)."""
+        return self._once("spring", lambda: spring_of(self.emulator.split, self.signals.x))
+
+    def spring_change(self, x: Floats) -> Floats:
+        """Change of the elastic part alone if the input were ``x`` (n,), N·m."""
+        return spring_of(self.emulator.split, x) - self.spring
+
+    @property
+    def friction(self) -> Floats:
+        """The part of the simulator's output that has memory, N·m, shape (n,)."""
+        return self.signals.y_sim - self.spring
+
+    @property
+    def strength(self) -> Floats:
+        """Change of that part for a relative change of its strength by one at the same stiffness, N·m, shape (n,)."""
+        return self._once("strength", lambda: strength_of(self.emulator.split, self.signals.x, self.signals.runs))
+
+    def _once(self, name: str, make: Callable[[], Floats]) -> Floats:
+        if name not in self._lasting:
+            self._lasting[name] = make()
+        return self._lasting[name]
 
     def remembered(self, key: Hashable, make: Callable[[], Floats]) -> Floats:
         """What ``make`` gives, kept for the next call with ``key`` unless many others come between."""
@@ -100,14 +138,16 @@ class SimulatorScene:
 
     def with_torque(self, torque: Floats) -> SimulatorScene:
         """The same scene after effects that changed the torque."""
-        return SimulatorScene(self.signals, self.emulator, torque, self._base)
+        scene = SimulatorScene(self.signals, self.emulator, torque, self._base)
+        scene._lasting = self._lasting
+        return scene
 
 
 def emulate(signals: Signals, model: Any | None) -> Emulator:
     """Identify the emulator; ``model`` is the simulator itself where it is at hand."""
     own = Generalised(signals)
     if model is not None:
-        return _of_model(model, signals, *own.tangent())
+        return _of_model(model, signals, *own.tangent(), own.parameters())
     best = Emulator(
         "generalised Prandtl-Ishlinskii",
         own.error,
@@ -115,6 +155,7 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
         own.anew,
         *own.tangent(),
         {"model": "generalised", "parameters": own.parameters()},
+        own.parameters(),
     )
     for name in COMPETITORS if own.error > GOOD_ENOUGH else ():
         try:
@@ -124,7 +165,7 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
             continue
         error = _relative_error(np.asarray(rival.predict(signals.x, signals.groups)), signals.y_sim)
         if error < best.error:
-            best = replace(_of_model(rival, signals, best.structure, best.bulk), name=name, error=error)
+            best = replace(_of_model(rival, signals, best.structure, best.bulk, best.split), name=name, error=error)
     return best
 
 
@@ -137,13 +178,13 @@ def answers_of(model: Any, signals: Signals) -> Callable[[Floats], Floats]:
     return predict
 
 
-def _of_model(model: Any, signals: Signals, structure: Floats, bulk: Floats) -> Emulator:
+def _of_model(model: Any, signals: Signals, structure: Floats, bulk: Floats, split: Mapping[str, Any]) -> Emulator:
     def anew(x: Floats) -> Floats:
         time = signals.interval * np.arange(x.size, dtype=np.float64)
         return np.asarray(model.predict(x, **time_argument(model.predict, time)))
 
-    described = {"model": model.id, "parameters": dict(model.parameters_)}
-    return Emulator("the simulator itself", 0.0, answers_of(model, signals), anew, structure, bulk, described)
+    described = {"model": model.id, "parameters": dict(model.parameters_), "split": split}
+    return Emulator("the simulator itself", 0.0, answers_of(model, signals), anew, structure, bulk, described, split)
 
 
 def _relative_error(predicted: Floats, wanted: Floats) -> float:
@@ -240,7 +281,11 @@ def _parts(
     """Columns of the elastic curve, of the elements with memory, and of stops weighed by position."""
     played = np.concatenate([plays(x[run], thresholds) for run in runs])
     stops = x[:, None] - played
-    signs = np.column_stack([np.concatenate([bristle(x[run], length) for run in runs]) * length for length in lengths])
+    # Like the stops, bristles come from the virgin state at zero to where a recording begins.
+    whole = [np.concatenate([[0.0], x[run]]) for run in runs]
+    signs = np.column_stack(
+        [np.concatenate([bristle(way, length)[1:] for way in whole]) * length for length in lengths]
+    )
     # Polynomials are not to be trusted far beyond the recorded stroke: they end there.
     u = np.clip(x / reach, -1.3, 1.3)
     elastic: Floats = np.asarray(np.polynomial.legendre.legvander(u, DEGREE))
@@ -266,6 +311,23 @@ def predict_generalised(
         + placed @ parameters["placed"]
         + rates @ parameters["rates"]
     )
+
+
+def spring_of(parameters: Mapping[str, Any], x: Floats) -> Floats:
+    """The elastic part of the built-in emulator's output, without torque at rest, N·m, shape (n,)."""
+    elastic = np.asarray(parameters["elastic"])
+    u = np.clip(np.column_stack([x, np.zeros_like(x)]) / parameters["reach"], -1.3, 1.3)
+    curve = np.polynomial.legendre.legval(u, elastic)
+    return np.asarray(curve[:, 0] - curve[:, 1])
+
+
+def strength_of(parameters: Mapping[str, Any], x: Floats, runs: Sequence[slice]) -> Floats:
+    """Change of the built-in emulator's output for a relative change by one of the strength of what has memory."""
+    thresholds, lengths, weights = (np.asarray(parameters[name]) for name in ("thresholds", "lengths", "weights"))
+    wider, narrower = (
+        _parts(x, runs, parameters["reach"], scale * thresholds, scale * lengths)[1] for scale in (1.05, 0.95)
+    )
+    return np.asarray((wider - narrower) @ weights / 0.1)
 
 
 def _solve(free: Floats, bounded: Floats, target: Floats) -> Floats:

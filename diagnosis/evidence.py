@@ -12,6 +12,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,8 +39,12 @@ FITTED: dict[Scale, float] = {
 still more freedom the refit would take all of the effect again."""
 INADEQUACY = 0.04
 """No listed law is exact: what is left over within this share of the gap's RMS is not held against an effect."""
+FINEST = 0.035
+"""Misfit, as a share of the gap's RMS, that counts as much as noise of that size."""
 FINE = 0.02
 """Relative error of the simulator's fine structure that is no miscalibration: no two models agree better."""
+ENOUGH = 5000
+"""Samples on which shapes are refined."""
 ORDER = {INPUT: 0, TORQUE: 1, SENSOR: 2}
 
 
@@ -195,8 +200,12 @@ class Evidence:
         self.scales = tuple(self.plausibility)
         self.thinning = thinning
         self.rows = np.ones(scene.torque.size, dtype=bool) if rows is None else rows
+        self._whole = bool(self.rows.all())
         self.gap = scene.signals.gap[self.rows]
         self.sigma = scene.signals.noise_floor
+        if not fitted:
+            # Noise far below the gap makes any misfit significant, and no two models agree that well.
+            self.sigma = max(self.sigma, FINEST * float(np.sqrt(np.mean(np.square(scene.signals.gap)))))
         structure, bulk = scene.emulator.structure[self.rows], scene.emulator.bulk[self.rows]
         left, singular, right = np.linalg.svd(np.hstack([structure, bulk]), full_matrices=False)
         kept = singular > 1e-5 * max(float(singular[0]), 1e-300)
@@ -217,6 +226,16 @@ class Evidence:
     @property
     def size(self) -> int:
         return self.gap.size
+
+    @cached_property
+    def _fewer(self) -> Evidence:
+        """The same on some thousand samples spread over the recording, which are enough to place a shape."""
+        step = self.size // ENOUGH
+        if step < 2:
+            return self
+        rows = np.zeros_like(self.rows)
+        rows[np.flatnonzero(self.rows)[::step]] = True
+        return Evidence(self.scene, rows, self.thinning, self.fitted)
 
     def inside(self, columns: Floats) -> Floats:
         """Components in the simulator's tangent space, shape (m,) or (m, k)."""
@@ -283,7 +302,7 @@ class Evidence:
             if best is not None:
                 columns = effect_columns(self.scene, ordered, best.coefficients)
             best, by_scale = None, {}
-            chosen = columns[self.rows]
+            chosen = columns if self._whole else columns[self.rows]
             products = chosen.T @ chosen, chosen.T @ self.gap, self.gap_energy, self.inside(chosen)
             for scale in scales or self.scales:
                 gram, moment, energy = self.reduced(*products, scale)
@@ -324,9 +343,11 @@ class Evidence:
                 shapes[i][j] = float(value)
             return tuple(Term(t.effect, t.form, tuple(s), t.laws) for t, s in zip(start.terms, shapes, strict=True))
 
+        fewer = self._fewer
+
         def left(values: Floats) -> Floats:
-            fitted = self.fit(terms_at(values), (start.scale,))
-            return self.whitened(self.gap - fitted.signal[self.rows], start.scale) / self.sigma
+            fitted = fewer.fit(terms_at(values), (start.scale,))
+            return fewer.whitened(fewer.gap - fitted.signal[fewer.rows], start.scale) / self.sigma
 
         inside = np.clip(encode(first), ends[0] + 1e-9, ends[1] - 1e-9)
         found = least_squares(

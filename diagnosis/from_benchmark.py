@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import Any
 
 from ..datasets.base import Dataset, Recording
+from ..errors import InputError
 from . import registry
 from .diagnosis import Diagnosis, diagnose
 from .effects.base import SENSOR
 from .inputs import outputs_of, signals_from
 from .signals import Signals
+from .verdict import MISCALIBRATION, UNKNOWN
 
-__all__ = ["diagnose_model", "gap_signals"]
+__all__ = ["diagnose_as_is_or_fitted", "diagnose_fitted", "diagnose_model", "gap_signals"]
 
 ENCODER_ERRORS = ("deflection_offset", "encoder_eccentricity")
-OF_TIME = ("time", "speed", "acceleration")
-"""Coordinates that a recording without a clock does not have."""
 
 
 def diagnose_model(model: Any, dataset: Dataset, *, seed: int = 0, exclude: Sequence[str] = ()) -> Diagnosis:
@@ -40,8 +40,34 @@ def diagnose_model(model: Any, dataset: Dataset, *, seed: int = 0, exclude: Sequ
     InputError
         If the test recordings cannot be diagnosed, for instance because they are too short.
     """
-    left_out = {*_of_sensors(), *exclude, *(() if dataset.timed else _of_time())}
-    return diagnose(gap_signals(model, dataset), model, left_out, seed, fitted=True)
+    return diagnose_fitted(gap_signals(model, dataset), model, exclude, seed)
+
+
+def diagnose_fitted(signals: Signals, model: Any, exclude: Collection[str] = (), seed: int = 0) -> Diagnosis:
+    """Diagnose what a model lacks that was fitted to recordings of the same joint by the same sensors."""
+    return diagnose(signals, model, {*_of_sensors(), *exclude}, seed, fitted=True)
+
+
+def diagnose_as_is_or_fitted(
+    signals: Signals, model: Any | None, exclude: Collection[str] = (), seed: int = 0
+) -> Diagnosis:
+    """Diagnose a simulator of which only its file tells whether it was fitted to recordings.
+
+    It is taken as it is first: it may have been fitted to another simulator, and an effect that a few wrong parameters
+    do not hide is found that way. Where nothing known explains the gap so, a model that was fitted is judged as one.
+    """
+    found = diagnose(signals, model, exclude, seed)
+    if found.verdict != [UNKNOWN] or not getattr(model, "fitted_samples_", 0):
+        return found
+    try:
+        again = diagnose_fitted(signals, model, exclude, seed)
+    except InputError:
+        # Nothing is left to be considered.
+        return found
+    if again.verdict in ([UNKNOWN], [MISCALIBRATION], []):
+        return found
+    told = "the model was fitted to recordings: where its parameters would go beside each effect was taken into account"
+    return replace(again, notes=[*again.notes, told])
 
 
 def gap_signals(model: Any, dataset: Dataset) -> Signals:
@@ -53,17 +79,12 @@ def gap_signals(model: Any, dataset: Dataset) -> Signals:
     scored = [_scored(recording, set(dataset.references.values())) for recording in dataset.test]
     cut = [output[recording.warm_up :] for output, recording in zip(outputs, dataset.test, strict=True)]
     signals = signals_from(scored, cut, [f"{dataset.id}: {recording.name}" for recording in dataset.test])
-    return replace(signals, unit=dataset.y_unit)
+    return replace(signals, unit=dataset.y_unit, timed=dataset.timed)
 
 
 def _of_sensors() -> set[str]:
     """Errors of the sensors: they are in the recordings to which the model was fitted as well, so it does not lack them."""
     return {*ENCODER_ERRORS, *(name for name in registry.ids() if registry.get(name).acts_on == SENSOR)}
-
-
-def _of_time() -> set[str]:
-    """Effects that show over time or rates: where no clock was recorded nothing can be said of them."""
-    return {name for name in registry.ids() if registry.get(name).coordinate in OF_TIME}
 
 
 def _scored(recording: Recording, without: set[str]) -> Recording:

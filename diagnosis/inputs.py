@@ -23,7 +23,7 @@ __all__ = ["MINIMUM_SAMPLES", "outputs_of", "read_inputs", "signals_from"]
 Floats = NDArray[np.float64]
 BEYOND = 1e6
 """Ratio of recorded and simulated torque that is a mistake, not a gap."""
-MINIMUM_SAMPLES = 200
+MINIMUM_SAMPLES = 100
 
 
 def read_inputs(
@@ -147,4 +147,5 @@ def signals_from(recordings: Sequence[Recording], outputs: Sequence[Floats], nam
             for name in recordings[0].channels
             if name in shared
         },
+        timed=not any(r.conditions.get("untimed") for r in recordings),
     )

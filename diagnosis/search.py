@@ -13,14 +13,22 @@ from .evidence import Evidence, Hypothesis, Scale, Term, boxed_least_squares, co
 __all__ = ["Library", "search"]
 
 Floats = NDArray[np.float64]
+ALONE = 18
+"""Laws that are refined alone, at most four of an effect."""
 INHERITED = 3
 """Sets of each size whose shapes are tried in smaller sets."""
 HOPEFUL = 0.005
 """Evidence a sample that a further effect must bring for still another to be looked for."""
 IN_COMPANY = 6
 """Steps of refinement of effects beside others."""
+LAWS = 2
+"""Other laws of an effect in company that are tried."""
 NEARLY = 0.02
 """Evidence a sample by which a law may fall behind and still be refined further."""
+STEPS = 3
+"""Replacements of one law by another in a row."""
+AT_FIRST = 0.2
+"""The same for a law that only starts where another ended."""
 
 
 class Library:
@@ -158,21 +166,28 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
                     sets[names] = (score, numbers)
         ranked = sorted(sets.values(), key=lambda item: -item[0])
         if size == 1:
-            # The two best laws of an effect are refined, the others cannot overtake both.
-            ranked = _at_most(ranked, 2, lambda numbers: library.terms[numbers[0]].effect.id)
-        count = wide if size > 1 else 2 * wide
+            # The four best laws of an effect are refined, the others cannot overtake all.
+            ranked = _at_most(ranked, 4, lambda numbers: library.terms[numbers[0]].effect.id)
+        count = wide if size > 1 else ALONE
         refined: dict[frozenset[str], tuple[Hypothesis, tuple[int, ...]]] = {}
         for _, numbers in ranked[:count]:
             # Sets grow from refined shapes: these need fewer steps.
             fitted = evidence.refine_anyhow([library.terms[k] for k in numbers], 10 if size == 1 else IN_COMPANY)
             known = refined.get(fitted.names)
-            for better in (fitted, *(_successors(evidence, fitted) if size == 1 else ())):
+            for better in (
+                fitted,
+                *((*_successors(evidence, fitted), *_siblings(evidence, fitted)) if size == 1 else ()),
+            ):
                 if known is None or better.score > known[0].score:
                     known = refined[better.names] = (better, numbers)
         if size > 1:
             # In company only the most likely sets are worth other forms.
             for fitted, numbers in sorted(refined.values(), key=lambda item: -item[0].score)[: 4 - size]:
-                for better in (*_successors(evidence, fitted), *_other_laws(library, fitted)):
+                for better in (
+                    *_successors(evidence, fitted),
+                    *_siblings(evidence, fitted),
+                    *_other_laws(library, fitted),
+                ):
                     if better.score > refined[better.names][0].score:
                         refined[better.names] = (better, numbers)
         if size == 1:
@@ -225,6 +240,40 @@ def _successors(evidence: Evidence, fitted: Hypothesis) -> list[Hypothesis]:
     return made
 
 
+def _siblings(evidence: Evidence, fitted: Hypothesis) -> list[Hypothesis]:
+    """The same effects with the law of one replaced by the best of those with the same shape parameters.
+
+    The starting values of a law are few; where another law has ended it may be better than at all of them. One
+    replacement may lead to the next.
+    """
+    made = []
+    for k in range(len(fitted.terms)):
+        best = fitted
+        for _ in range(STEPS):
+            other = _best_sibling(evidence, best, k)
+            if other is None or other.score <= best.score:
+                break
+            made.append(other)
+            best = other
+    return made
+
+
+def _best_sibling(evidence: Evidence, fitted: Hypothesis, k: int) -> Hypothesis | None:
+    """The best law of the ``k``-th effect with the same shape parameters, refined; None if all are far behind."""
+    term, others = fitted.terms[k], []
+    for form in term.effect.forms(evidence.scene) if term.shape else ():
+        if form.shapes != term.form.shapes or form.name == term.form.name:
+            continue
+        terms = list(fitted.terms)
+        inside = tuple(float(np.clip(v, low, high)) for v, (low, high) in zip(term.shape, form.limits, strict=True))
+        terms[k] = Term(term.effect, form, inside, term.laws)
+        others.append(evidence.fit(terms))
+    best = max(others, key=lambda hypothesis: hypothesis.score, default=None)
+    if best is None or best.score < fitted.score - AT_FIRST * evidence.size:
+        return None
+    return evidence.refine_anyhow(best.terms, IN_COMPANY)
+
+
 def _other_laws(library: Library, fitted: Hypothesis) -> list[Hypothesis]:
     """The same effects with the law of one chosen anew: another may have been better before the others were there."""
     evidence, made = library.evidence, []
@@ -233,8 +282,7 @@ def _other_laws(library: Library, fitted: Hypothesis) -> list[Hypothesis]:
         others = own[:k] + own[k + 1 :]
         laws = library.extend(others, (fitted.scale,), term.effect.id)
         laws = [(score, numbers) for score, numbers in laws if library.terms[numbers[-1]].form.name != term.form.name]
-        if laws:
-            _, numbers = max(laws)
+        for _, numbers in sorted(laws, reverse=True)[:LAWS]:
             other = evidence.refine_anyhow([library.terms[number] for number in numbers], IN_COMPANY)
             made.append(other)
             if other.score > fitted.score - NEARLY * evidence.size:

@@ -49,6 +49,8 @@ class Signals:
         Further measured channels, such as temperature or pressure.
     unit : str
         Of the output.
+    timed : bool
+        Whether ``time`` was measured; otherwise it numbers the samples.
     """
 
     time: Floats
@@ -58,6 +60,7 @@ class Signals:
     runs: Sequence[slice]
     channels: Mapping[str, Floats]
     unit: str = "N·m"
+    timed: bool = True
 
     # ---- what follows from them ------------------------------------------------------------------------------------
 

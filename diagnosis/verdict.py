@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from .calibration import CONFIDENCE, confidence
 from .evidence import FINE, Evidence, Hypothesis, is_refitted
 from .heldout import HeldOut, held_out, structured_power
+from .hum import hum
 from .quantisation import torque_step
 from .signals import Signals
 
@@ -43,9 +44,20 @@ BESIDE_OFF = 0.012
 """Evidence a sample that one effect must bring beside a simulator that may be off by a tenth to be more than its misfit."""
 COINCIDENCE = 200.0
 """Logarithm of the odds against effects of 2.5 times the gap; it grows as the square beyond 1.25."""
-STANDS_IN = ("torque_gain",)
+GAIN = "torque_gain"
+STANDS_IN = (GAIN,)
 STAND_IN, STAND_IN_COMPANY = 7.0, 9.0
 """Logarithm of the odds against these where the loop's fine structure is off too: then the simulator is to blame."""
+BALANCED = 2.0
+"""Size of an effect over the gap's beyond which others would have to cancel it: that is no explanation."""
+ONE_FACTOR = 0.005
+"""Share of the gap's energy that one factor on the torque may leave to be more than a coincidence of several errors."""
+SEVERAL = 0.02
+"""The same where it is several errors rather than one factor."""
+SMALL = 3.0
+"""Gap over noise below which such a share cannot be told."""
+CLEARLY_WORSE = 0.004
+"""Evidence a sample by which smaller errors must do worse than errors of a tenth for these to be needed."""
 NEGLIGIBLE = 0.7
 """An effect smaller than this share of the noise is no gap beyond the noise."""
 NOT_NOISE = 1.2
@@ -98,6 +110,8 @@ class Choice:
     """Effects of the verdict for which an unnamed miscalibration could stand in, or the other way round."""
     torque_step: float = 0.0
     """Step in which the recorded torque comes, N·m, where it makes up the gap; 0 otherwise."""
+    hum: float = 0.0
+    """Frequency of a hum that makes up the gap, Hz; 0 otherwise."""
 
 
 def _is_beside_refit(evidence: Evidence, hypothesis: Hypothesis) -> bool:
@@ -122,7 +136,7 @@ def _prior(evidence: Evidence, hypothesis: Hypothesis, gap: float) -> float:
         alone = len(hypothesis.terms) == 1
         cost += STAND_IN * (hypothesis.scale[0] >= (FINE if alone else 0.5 * FINE)) + STAND_IN_COMPANY * (not alone)
     # Effects and errors of the simulator that are each larger than the gap and cancel would be a coincidence.
-    size = float(np.sqrt(np.mean(np.square(hypothesis.signal)))) / gap
+    size = _size(hypothesis.signal) / gap
     return -cost - COINCIDENCE * max(size / 1.25 - 1.0, 0.0) ** 2
 
 
@@ -131,7 +145,7 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     signals = evidence.scene.signals
     floor = evidence.sigma
     energy = max(float(np.mean(np.square(evidence.gap))) - floor**2, 1e-6 * floor**2)
-    size = max(float(np.sqrt(np.mean(np.square(evidence.gap)))), floor)
+    size = max(_size(evidence.gap), floor)
     priors = {id(h): _prior(evidence, h, size) for h in found}
     found = [h for h in found if np.isfinite(priors[id(h)])]
     ranked = sorted(found, key=lambda h: -(h.score + priors[id(h)]))
@@ -146,6 +160,13 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         best = next((h for h in ranked if len(h.terms) == 1 and is_needed(h)), best)
     refit = _judge_refit(evidence, best, energy)
     own = best.score + _prior(evidence, best, size)
+    factor, rest = _one_factor(evidence, found, energy)
+    if factor is not None and not best.terms and refit.miscalibrated and rest < ONE_FACTOR:
+        best, own = factor, factor.score + _prior(evidence, factor, size)
+        refit = _judge_refit(evidence, best, energy)
+    elif factor is not None and best.names == {GAIN} and is_refitted(best.scale) and rest > SEVERAL:
+        best, own = blank, blank.score
+        refit = _judge_refit(evidence, best, energy)
     if best.terms and refit.miscalibrated and not evidence.fitted and not is_needed(best):
         # The simulator is off in any case: an effect beside must be needed, not only welcome.
         best, own = blank, blank.score
@@ -168,7 +189,8 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         "margin": float(own - max(others)) if others else 1e3,
         "over_null": float(own - blank.score),
         "effects": float(len(best.terms)),
-        "signal": float(np.sqrt(np.mean(np.square(best.signal))) / floor),
+        "signal": _size(best.signal) / floor,
+        "largest": max((_size(best.part(name)) for name in best.names), default=0.0) / floor,
         "recalibrated": refit.gain,
         "refitted": float(is_refitted(best.scale) and not expected),
         "closed": 1.0
@@ -178,7 +200,7 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         "in_sample_left": _left_to_noise(misfit_refit, signals, floor),
     }
     bent = _is_beside_refit(evidence, best) and not _is_clearly_there(evidence, features)
-    features["forgiven"] = forgiven(features["gap"], bent, evidence.fitted)
+    features["forgiven"] = _forgiven(evidence, features["gap"], bent)
     verdict = sorted(best.names, key=lambda name: -float(np.mean(np.square(best.part(name)))))
     if miscalibrated and not expected:
         verdict.append(MISCALIBRATION)
@@ -192,13 +214,28 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     if verdict and verdict != [UNKNOWN] and stated < DOUBT and not evidence.fitted:
         verdict, stated = [UNKNOWN], 1.0 - stated
     step = torque_step(signals) if verdict == [] else 0.0
-    if step > 0.0:
-        # Steps pass for noise, but a finer sensor would close them.
+    frequency = hum(signals) if verdict == [] else 0.0
+    if step > 0.0 or frequency > 0.0:
+        # They pass for noise, but a finer or better shielded sensor would close them.
         verdict = [UNKNOWN]
     return Choice(
         verdict, stated, best, held, miscalibrated, left / gap_power, features,
-        posterior, odds, list(ranked), _recalibration_rivals(evidence, verdict, best, own, found, tempered), step,
+        posterior, odds, list(ranked), _recalibration_rivals(evidence, verdict, best, own, found, tempered), step, frequency,
     )  # fmt: skip
+
+
+def _size(series: Floats) -> float:
+    return float(np.sqrt(np.mean(np.square(series))))
+
+
+def _one_factor(evidence: Evidence, found: Sequence[Hypothesis], energy: float) -> tuple[Hypothesis | None, float]:
+    """A gain beside an exact simulator, and the share of the gap that it leaves; None where noise would decide."""
+    gain = next((h for h in found if h.names == {GAIN}), None)
+    if gain is None or evidence.fitted or energy < SMALL**2 * evidence.sigma**2:
+        return None, 1.0
+    alone = evidence.fit(gain.terms, ((0.0, 0.0),))
+    rest = (float(np.mean(np.square(evidence.left_over(alone)))) - evidence.sigma**2) / energy
+    return evidence.fit(gain.terms, tuple(scale for scale in gain.by_scale if not is_refitted(scale))), rest
 
 
 def _left_to_noise(left: Floats, signals: Signals, floor: float) -> float:
@@ -288,7 +325,7 @@ def _judge_refit(evidence: Evidence, best: Hypothesis, energy: float) -> _Refit:
     else:
         # With no effect at all, what the refit takes is the gap.
         off = is_refitted(best.scale) or energy > floor**2
-    return _Refit(held, left, gain, off and float(np.sqrt(np.mean(np.square(recalibration)))) > NEGLIGIBLE * floor)
+    return _Refit(held, left, gain, off and _size(recalibration) > NEGLIGIBLE * floor)
 
 
 def _is_poor(signals: Signals) -> bool:
@@ -356,7 +393,7 @@ def _nothing(evidence: Evidence, best: Hypothesis, miscalibrated: bool, features
         miscalibrated = miscalibrated and not agree
     if miscalibrated or features["in_sample_left"] > NEGLIGIBLE:
         return False
-    return not best.terms or float(np.sqrt(np.mean(np.square(best.signal)))) < NEGLIGIBLE * floor
+    return not best.terms or _size(best.signal) < NEGLIGIBLE * floor
 
 
 def _inadequate(evidence: Evidence, features: dict[str, float]) -> bool:
@@ -366,6 +403,8 @@ def _inadequate(evidence: Evidence, features: dict[str, float]) -> bool:
     least = 0.0 if features["signal"] > 1.5 * gap else WIDENING
     widened = features["closed_alone"] < least and not _is_clearly_there(evidence, features)
     if refitted and gap > 3.0 and widened:
+        return True
+    if features["largest"] > BALANCED * gap and not evidence.fitted:
         return True
     return features["in_sample_left"] > features["forgiven"] or (features["closed"] < 0.5 and gap > 1.2)
 
@@ -390,8 +429,17 @@ def _overstretched(evidence: Evidence, best: Hypothesis, features: dict[str, flo
 
 def _is_too_far_off(evidence: Evidence, blank: Hypothesis) -> bool:
     """Whether errors of a tenth would be needed to make a gap that is smaller than such errors make."""
-    made = 0.5 * blank.scale[1] * float(np.std(evidence.scene.signals.y_sim))
-    return blank.scale == max(evidence.scales) and float(np.std(evidence.gap)) < made
+    largest = max(evidence.scales)
+    made = 0.5 * largest[1] * float(np.std(evidence.scene.signals.y_sim))
+    smaller = max(score for scale, score in blank.by_scale.items() if scale[1] < largest[1])
+    worse = blank.by_scale[largest] - smaller > CLEARLY_WORSE * evidence.size
+    return blank.scale == largest and worse and float(np.std(evidence.gap)) < made
+
+
+def _forgiven(evidence: Evidence, gap: float, bent: bool) -> float:
+    """What a law may leave goes with the gap over the sensor's own noise, however coarsely the misfit is judged."""
+    finer = evidence.sigma / evidence.scene.signals.noise_floor
+    return forgiven(gap * finer, bent, evidence.fitted) / finer
 
 
 def forgiven(gap: float, refitted: bool, fitted: bool = False) -> float:
@@ -428,7 +476,7 @@ def _simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) -
     def is_adequate(hypothesis: Hypothesis) -> bool:
         bent = _is_beside_refit(evidence, hypothesis)
         left = _left_to_noise(evidence.left_over(hypothesis), evidence.scene.signals, evidence.sigma)
-        return left <= forgiven(float(np.sqrt(energy)) / evidence.sigma, bent, evidence.fitted)
+        return left <= _forgiven(evidence, float(np.sqrt(energy)) / evidence.sigma, bent)
 
     changed, explained = True, is_adequate(top)
     while changed:

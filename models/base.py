@@ -138,6 +138,8 @@ class HysteresisModel:
         What the source asks of the parameters, and whether it holds.
     notes_ : list of str
         What a user should know of this fit (a bound that was hit, a parameter the data cannot tell).
+    fitted_samples_ : int
+        Samples that it was fitted to; 0 if its parameters were given.
     """
 
     id: ClassVar[str]
@@ -166,6 +168,7 @@ class HysteresisModel:
     parameters_: dict[str, Any]
     conditions_: list[Condition]
     notes_: list[str]
+    fitted_samples_: int = 0
 
     # ---- to be written by each model -------------------------------------------------------------------------------
 
@@ -264,6 +267,7 @@ class HysteresisModel:
         if times is None and not self.rate_independent:
             self.notes_.append("no time was given: the samples are taken as 1 s apart")
         self.x_scale_ = float(np.max(np.abs(x)))
+        self.fitted_samples_ = int(x.size)
         self._set_parameters(self._check_parameters(**self._identify(runs)))
         return self
 
@@ -417,6 +421,7 @@ class HysteresisModel:
             "hyperparameters": self.get_params(),
             "parameters": {name: _plain(value) for name, value in self.parameters_.items()},
             "x_scale": self._input_scale(),
+            "fitted_samples": self.fitted_samples_,
             "conditions": [vars(condition) for condition in self.conditions_],
             "notes": self.notes_,
         }
@@ -448,6 +453,7 @@ def load_parameters(path: str | os.PathLike[str], get: Callable[[str], type[Any]
         model = cls.from_parameters(**parameters)
         model.set_params(**document.get("hyperparameters", {}))
         model.x_scale_ = parameter_number("x_scale", document.get("x_scale", 1.0))
+        model.fitted_samples_ = int(parameter_number("fitted_samples", document.get("fitted_samples", 0)))
     except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{path}: {error}") from None
     notes = document.get("notes", [])

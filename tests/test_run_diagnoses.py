@@ -124,7 +124,7 @@ def test_without_the_option_the_best_model_of_each_dataset_is_diagnosed_but_none
 
 
 def test_what_cannot_be_diagnosed_is_told(folder: Path) -> None:
-    damped_loop().iloc[::6].to_csv("short.csv", index=False)
+    damped_loop().iloc[::16].to_csv("short.csv", index=False)
     assert (
         execute(cli, ["run", "--quick", "--models", "cubic", "--datasets", "short.csv", "--diagnose", "--out", "s"])
         == 0

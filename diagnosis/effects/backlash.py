@@ -25,6 +25,25 @@ def _gap(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return scene.torque_change(x - np.clip(x, -half, half))[:, None]
 
 
+def _gap_elsewhere(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    x, half, middle = scene.signals.x, 0.5 * shape[0], shape[1]
+    # The joint was zeroed where it lay at rest.
+    across = np.clip(x - middle, -half, half) - np.clip(-middle, -half, half)
+    return scene.torque_change(x - across)[:, None]
+
+
+def _middles(width: float) -> list[float]:
+    """Places for a gap of a width, both as shares of the reach: a narrow one is found only near its own place."""
+    step = max(0.8 * width, 0.03)
+    return (step * np.arange(0.5, 0.4 / step)).tolist()
+
+
+def _soft_gap(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    # The flanks are met gradually: tanh instead of clip.
+    x, half = scene.signals.x, 0.5 * shape[0]
+    return scene.torque_change(x - half * np.tanh(x / half))[:, None]
+
+
 def _series(scene: Scene, shape: tuple[float, ...]) -> Floats:
     s, half = scene.signals, 0.5 * shape[0]
     change = np.zeros_like(s.x)
@@ -60,13 +79,14 @@ class Backlash(Effect):
         "clearance that must be crossed after a turn, or around zero torque, before torque builds up"
     )
     equation: ClassVar[str] = (
-        "x → play(x; b/2), x → x − clip(x, ±b/2), or x → x − g, g across ±b/2 where y passes zero (at once, or a load of "
-        "inertia J that swings across and hits)"
+        "x → play(x; b/2), x → x − clip(x − m, ±b/2) + clip(−m, ±b/2), x → x − b/2 tanh(2x/b), or x → x − g, g across ±b/2 where y passes "
+        "zero (at once, or a load of inertia J that swings across and hits)"
     )
     coordinate: ClassVar[str] = "distance_since_reversal"
     acts_on: ClassVar[str] = INPUT
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("clearance", "rad", 0.0, np.inf, "total width b"),
+        Parameter("middle", "rad", -np.inf, np.inf, "m, deflection in the middle of the gap"),
         Parameter("load_inertia", "kg·m²", 0.0, np.inf, "J, of a load that hits the flanks"),
         Parameter("load_frequency", "rad/s", 0.0, np.inf, "at which that load swings between them"),
     )
@@ -80,6 +100,10 @@ class Backlash(Effect):
         return [
             Form("lost motion at turns", ("_unit",), _play, (1.0,), (1.0,), ("clearance",), grid, limits),
             Form("gap around zero", ("_unit",), _gap, (1.0,), (1.0,), ("clearance",), grid[2::2], limits),
+            Form("gap elsewhere", ("_unit",), _gap_elsewhere, (1.0,), (1.0,), ("clearance", "middle"),
+                 [(b * reach, side * m * reach) for b in (0.02, 0.05, 0.12, 0.3) for m in _middles(b) for side in (-1.0, 1.0)],
+                 [*limits, (-0.6 * reach, 0.6 * reach)]),
+            Form("soft gap", ("_unit",), _soft_gap, (1.0,), (1.0,), ("clearance",), (), limits, ("gap around zero",)),
             Form("gap at zero torque", ("_unit",), _series, (1.0,), (1.0,), ("clearance",), few, limits),
             Form("gap at zero torque, free flight", ("_unit", "load_inertia"), _flight, (1.0, 0.0), (1.0, np.inf),
                  ("clearance", "load_frequency"), [(b, w) for (b,) in grid[3:11:2] for w in (40.0, 120.0, 400.0)],

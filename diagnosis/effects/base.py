@@ -7,8 +7,8 @@ Golub & Pereyra, Inverse Problems 19, 2003).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -18,6 +18,7 @@ from ..signals import Signals
 
 __all__ = [
     "INPUT",
+    "PARTS",
     "PRESLIDING",
     "SENSOR",
     "TORQUE",
@@ -29,6 +30,7 @@ __all__ = [
     "Scene",
     "direction_laws",
     "geometric",
+    "inside",
 ]
 
 Floats = NDArray[np.float64]
@@ -53,8 +55,27 @@ class Scene(Protocol):
     torque: Floats
     """The simulator's output, N·m, shape (n,), with the effects that act before this one."""
 
+    @property
+    def spring(self) -> Floats:
+        """The elastic part of the simulator's output, as far as it can be told apart, N·m, shape (n,)."""
+        ...
+
+    @property
+    def friction(self) -> Floats:
+        """The part that has memory, N·m, shape (n,)."""
+        ...
+
+    @property
+    def strength(self) -> Floats:
+        """Change of that part for a relative change of its strength by one at the same stiffness, N·m, shape (n,)."""
+        ...
+
     def torque_change(self, x: Floats) -> Floats:
         """How the simulator's output would change if its input were ``x`` instead, N·m, shape (n,)."""
+        ...
+
+    def spring_change(self, x: Floats) -> Floats:
+        """The same of the elastic part alone."""
         ...
 
 
@@ -144,7 +165,7 @@ def direction_laws(scene: Scene) -> list[DirectionLaw]:
     signals = scene.signals
     reach, fast = signals.reach, float(np.sqrt(np.mean(np.square(signals.speed))))
     lengths = [0.002 * reach, 0.012 * reach, 0.06 * reach]
-    distances = (5e-4 * reach, 0.3 * reach)
+    distances = (5e-5 * reach, 0.3 * reach)
     return [
         DirectionLaw("presliding", "presliding", Signals.bristle, lengths, distances),
         DirectionLaw("elastic presliding", "elastic_presliding", Signals.slipping, lengths, distances),
@@ -153,6 +174,28 @@ def direction_laws(scene: Scene) -> list[DirectionLaw]:
             (0.002 * fast, 0.3 * fast),
         ),
     ]  # fmt: skip
+
+
+PARTS: Mapping[str, Callable[[Scene], Floats]] = {
+    "the spring": lambda scene: scene.spring,
+    "the friction": lambda scene: scene.friction,
+    "the stiffness": lambda scene: scene.torque - scene.strength,
+    "the friction's strength": lambda scene: scene.strength,
+}
+"""What may change inside the joint when not all of its torque does, by name: the elastic curve, all that has memory, the
+slope of both, or the level at which friction slides."""
+
+
+def inside(form: Form, laws: Columns) -> list[Form]:
+    """Forms like ``form``, which scales the whole torque by ``laws`` (n, k), that scale a part of it."""
+
+    def scaled(part: Callable[[Scene], Floats]) -> Columns:
+        return lambda scene, shape: laws(scene, shape) * part(scene)[:, None]
+
+    return [
+        replace(form, name=f"{form.name}, of {name}", columns=scaled(part), grid=form.grid[::2])
+        for name, part in PARTS.items()
+    ]
 
 
 PRESLIDING = (

@@ -20,18 +20,27 @@ def _two_sliders(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.column_stack([scene.signals.slipping(length) for length in shape])
 
 
+def _unequal(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        sign = law.signal(scene.signals, shape[0])
+        return (sign + shape[1] * np.abs(sign))[:, None]
+
+    return columns
+
+
 class CoulombFriction(Effect):
     """Dry friction whose size depends on neither speed nor load."""
 
     id: ClassVar[str] = "coulomb_friction"
     title: ClassVar[str] = "Coulomb friction"
     summary: ClassVar[str] = "constant torque against the direction of motion (bearings, seals, brushes)"
-    equation: ClassVar[str] = "y += F s,  s = sgn(v) after presliding"
+    equation: ClassVar[str] = "y += F (s + q |s|),  s = sgn(v) after presliding"
     coordinate: ClassVar[str] = "direction"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("friction", "N·m", 0.0, np.inf, "sliding friction"),
         Parameter("friction_2", "N·m", 0.0, np.inf, "of a second contact that yields later"),
         *PRESLIDING,
+        Parameter("inequality", "1", -0.2, 0.2, "half the relative difference between the directions"),
         Parameter("elastic_presliding_2", "rad", 0.0, np.inf, "of the second contact"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("miscalibration", "stribeck_friction", "load_dependent_friction")
@@ -49,4 +58,9 @@ class CoulombFriction(Effect):
             ("elastic_presliding", "elastic_presliding_2"),
             (), [elastic.limits] * 2, (elastic.name,), lambda shape, coefficients: (0.5 * shape[0], 2.0 * shape[0]),
         )  # fmt: skip
-        return [*made, two]
+        unequal = [
+            Form(f"{law.name}, unequal", ("friction",), _unequal(law), (0.0,), (np.inf,), (law.parameter, "inequality"), (),
+                 [law.limits, (-0.2, 0.2)], (law.name,), lambda shape, _: (*shape, 0.02))
+            for law in laws
+        ]  # fmt: skip
+        return [*made, two, *unequal]

@@ -2,31 +2,39 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import ClassVar
 
 import numpy as np
 
-from .base import Effect, Floats, Form, Parameter, Scene, geometric
+from .base import Columns, Effect, Floats, Form, Parameter, Scene, geometric, inside
 
 __all__ = ["CyclicSoftening"]
 
+Worn = Callable[[Scene, tuple[float, ...]], Floats]
 FEWEST = 10
 """Reversals below which their number is too coarse a count."""
 
 
-def _columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    travel = scene.signals.travel
-    worn = 1.0 - np.exp(-travel / shape[0]) if shape else travel
-    return (-worn * scene.torque)[:, None]
+def _exponential(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return 1.0 - np.exp(-scene.signals.travel / shape[0])
+
+
+def _linear(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return scene.signals.travel
 
 
 def _hyperbolic(scene: Scene, shape: tuple[float, ...]) -> Floats:
     travel = scene.signals.travel
-    return (-travel / (shape[0] + travel) * scene.torque)[:, None]
+    return np.asarray(travel / (shape[0] + travel))
+
+
+def _logarithm(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return np.log1p(scene.signals.travel / shape[0])
 
 
 def _power(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return (-(scene.signals.travel ** shape[0]) * scene.torque)[:, None]
+    return np.asarray(scene.signals.travel ** shape[0])
 
 
 def _work(scene: Scene) -> Floats:
@@ -36,11 +44,30 @@ def _work(scene: Scene) -> Floats:
 
 
 def _by_work(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return (-(1.0 - np.exp(-_work(scene) / shape[0])) * scene.torque)[:, None]
+    return np.asarray(1.0 - np.exp(-_work(scene) / shape[0]))
+
+
+def _losses(scene: Scene) -> Floats:
+    """Work that does not come back: of the part with memory."""
+    s, friction = scene.signals, scene.friction
+    moved = s.per_run(lambda run: np.diff(s.smooth_x[run], prepend=s.smooth_x[run][0]))
+    return s.per_run(lambda run: np.maximum.accumulate(np.maximum(np.cumsum(friction[run] * moved[run]), 0.0)))
+
+
+def _by_losses(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return np.asarray(1.0 - np.exp(-_losses(scene) / shape[0]))
 
 
 def _by_reversals(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return (-(1.0 - np.exp(-scene.signals.reversals / shape[0])) * scene.torque)[:, None]
+    return np.asarray(1.0 - np.exp(-scene.signals.reversals / shape[0]))
+
+
+def _column(worn: Worn) -> Columns:
+    return lambda scene, shape: -worn(scene, shape)[:, None]
+
+
+def _lost(worn: Worn) -> Columns:
+    return lambda scene, shape: (-worn(scene, shape) * scene.torque)[:, None]
 
 
 class CyclicSoftening(Effect):
@@ -50,8 +77,8 @@ class CyclicSoftening(Effect):
     title: ClassVar[str] = "cyclic softening"
     summary: ClassVar[str] = "torque that falls with accumulated travel (Mullins effect, wear, damage)"
     equation: ClassVar[str] = (
-        "y −= a w y_sim,  w = 1 − exp(−travel/L), travel/(L + travel), travel, travel^p, 1 − exp(−∫|y dx|/W) or "
-        "1 − exp(−reversals/N)"
+        "y −= a w y_sim (or a part of it),  w = 1 − exp(−travel/L), travel/(L + travel), log(1 + travel/L), travel, "
+        "travel^p, 1 − exp(−∫|y dx|/W), the same of the losses, or 1 − exp(−reversals/N)"
     )
     coordinate: ClassVar[str] = "travel"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -61,6 +88,7 @@ class CyclicSoftening(Effect):
         ),
         Parameter("power", "1", 0.3, 0.95, "p of the travel"),
         Parameter("work_constant", "J", 0.0, np.inf, "W, of the work ∫|y dx|"),
+        Parameter("loss_constant", "J", 0.0, np.inf, "W', of the losses, the work ∮y dx of the part with memory"),
         Parameter("reversals_constant", "1", 0.0, np.inf, "N, half cycles after which 63 % of the loss has come"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("thermal_drift", "torque_gain")
@@ -72,20 +100,26 @@ class CyclicSoftening(Effect):
         lengths = [(t,) for t in geometric(0.04 * total, 1.5 * total, 7)]
         # Softening that is over within a thirtieth of the recording could not be told from a gain.
         limits = [(0.03 * total, 3.0 * total)]
-        forms = [
-            Form("linear", ("softening",), _columns, (0.0,), (1.0 / max(total, 1e-300),)),
-            Form("exponential", ("softening",), _columns, (0.0,), (1.0,), ("travel_constant",), lengths,
-                 limits),
-            Form("power of travel", ("softening",), _power, (0.0,), (np.inf,), ("power",), [(0.5,), (0.75,)],
-                 [(0.3, 0.95)]),
-            Form("by work", ("softening",), _by_work, (0.0,), (1.0,), ("work_constant",),
-                 [(share * work,) for share in (0.1, 0.4, 1.5)], [(0.03 * work, 3.0 * work)]),
-            Form("hyperbolic", ("softening",), _hyperbolic, (0.0,), (1.0,), ("travel_constant",), lengths,
-                 limits),
+        laws: list[tuple[str, Worn, float, Sequence[str], Sequence[tuple[float, ...]], Sequence[tuple[float, float]]]] = [
+            ("linear", _linear, 1.0 / max(total, 1e-300), (), [()], []),
+            ("exponential", _exponential, 1.0, ("travel_constant",), lengths, limits),
+            ("hyperbolic", _hyperbolic, 1.0, ("travel_constant",), lengths, limits),
+            ("logarithm", _logarithm, 1.0, ("travel_constant",), lengths[1::2], limits),
+            ("power of travel", _power, np.inf, ("power",), [(0.5,), (0.75,)], [(0.3, 0.95)]),
+            ("by work", _by_work, 1.0, ("work_constant",), [(share * work,) for share in (0.1, 0.4, 1.5)],
+             [(0.03 * work, 3.0 * work)]),
         ]  # fmt: skip
+        losses = float(_losses(scene).max())
+        if losses > 0.0:
+            laws.append(("by losses", _by_losses, 1.0, ("loss_constant",), [(share * losses,) for share in (0.2, 0.8, 3.0)],
+                         [(0.03 * losses, 5.0 * losses)]))  # fmt: skip
         if turns >= FEWEST:
-            forms.append(
-                Form("by reversals", ("softening",), _by_reversals, (0.0,), (1.0,), ("reversals_constant",),
-                     [(share * turns,) for share in (0.1, 0.3, 1.0)], [(0.03 * turns, 3.0 * turns)])
-            )  # fmt: skip
-        return forms
+            numbers = [(share * turns,) for share in (0.1, 0.3, 1.0)]
+            laws.append(
+                ("by reversals", _by_reversals, 1.0, ("reversals_constant",), numbers, [(0.03 * turns, 3.0 * turns)])
+            )
+        made = []
+        for name, worn, most, shapes, grid, bounds in laws:
+            form = Form(name, ("softening",), _lost(worn), (0.0,), (most,), shapes, grid, bounds)
+            made += [form, *(inside(form, _column(worn)) if shapes else ())]
+        return made

@@ -13,13 +13,17 @@ def _columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return scene.torque_change(scene.signals.x + shape[0])[:, None]
 
 
+def _of_spring(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return scene.spring_change(scene.signals.x + shape[0])[:, None]
+
+
 class DeflectionOffset(Effect):
     """The zero of the encoder, or a preload angle, is not where the simulator has it."""
 
     id: ClassVar[str] = "deflection_offset"
     title: ClassVar[str] = "deflection offset"
     summary: ClassVar[str] = "constant error of the deflection (encoder zero, preload angle)"
-    equation: ClassVar[str] = "x → x + d"
+    equation: ClassVar[str] = "x → x + d, or only in the elastic part of y_sim"
     coordinate: ClassVar[str] = "position"
     acts_on: ClassVar[str] = INPUT
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("offset", "rad", -1.0, 1.0, "d"),)
@@ -31,7 +35,10 @@ class DeflectionOffset(Effect):
         for sign, told in ((1.0, "positive"), (-1.0, "negative")):
             grid = [(sign * f * reach,) for f in (0.0015, 0.004, 0.01, 0.025, 0.06, 0.15)]
             near, far = sign * 3e-4 * reach, sign * 0.3 * reach
-            made.append(
-                Form(told, ("_unit",), _columns, (1.0,), (1.0,), ("offset",), grid, [(min(near, far), max(near, far))])
-            )
+            limits = [(min(near, far), max(near, far))]
+            made += [
+                Form(told, ("_unit",), _columns, (1.0,), (1.0,), ("offset",), grid, limits),
+                # A spring hung in with a preload, or friction that has settled there, knows nothing of the shift.
+                Form(f"{told}, of the spring", ("_unit",), _of_spring, (1.0,), (1.0,), ("offset",), grid, limits),
+            ]
         return made

@@ -75,7 +75,7 @@ class EncoderEccentricity(Effect):
         # At least half a period within the stroke, at most thirty; slower waves are an offset and a gain.
         low, high = 0.5 * np.pi / reach, 30.0 * np.pi / reach
         grid = [(n,) for n in geometric(low, 12.0 * np.pi / reach, 36)]
-        wide = 0.06 * reach
+        wide = 0.2 * reach
         names = ("error_sin", "error_cos", "error_sin_2", "error_cos_2")
         small = (-wide,) * 2, (wide,) * 2
         unit = ("_unit",), (1.0,), (1.0,)

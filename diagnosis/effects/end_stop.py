@@ -37,6 +37,31 @@ def _damped(side: float, power: float | None) -> Columns:
     return columns
 
 
+def _both_damped(power: float) -> Columns:
+    """Two stops that lose energy, each by its own damping."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        v = scene.signals.speed
+        up, down = (
+            np.maximum(scene.signals.smooth_x - shape[0], 0.0),
+            np.maximum(-scene.signals.smooth_x - shape[1], 0.0),
+        )
+        touched = (up > 0.0, down > 0.0) if power == 1.0 else (up**power, down**power)
+        return np.column_stack([up**power, -(down**power), touched[0] * v, touched[1] * v])
+
+    return columns
+
+
+def _bumper(side: float) -> Columns:
+    """Rubber that stiffens as it is squeezed flat: d/(1 − d/d0)."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        depth = np.maximum(side * scene.signals.smooth_x - shape[0], 0.0)
+        return (side * depth / np.maximum(1.0 - depth / shape[1], 0.02))[:, None]
+
+    return columns
+
+
 class EndStop(Effect):
     """Contact with a stop: stiff beyond a deflection, absent before it."""
 
@@ -44,13 +69,22 @@ class EndStop(Effect):
     title: ClassVar[str] = "end stop"
     summary: ClassVar[str] = "contact that stiffens the joint beyond a deflection near the end of the stroke"
     equation: ClassVar[str] = (
-        "y += k d^p − k' d'^p,  d = max(x − a, 0), d' = max(−x − a', 0), p = 1 or 1.5; damped: + c v or + c d^p v while touched"
+        "y += k d^p − k' d'^p,  d = max(x − a, 0), d' = max(−x − a', 0), p = 1 or 1.5; damped: + c v or + c d^p v while "
+        "touched; or y += k d / (1 − d/d0)"
     )
     coordinate: ClassVar[str] = "position"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("stiffness_upper", "N·m/rad^p", 0.0, np.inf, "of the upper stop"),
         Parameter("stiffness_lower", "N·m/rad^p", 0.0, np.inf, "of the lower stop"),
-        Parameter("damping", "N·m·s/rad or N·m·s/rad^(p + 1)", 0.0, np.inf, "c, of one stop"),
+        Parameter("damping", "N·m·s/rad or N·m·s/rad^(p + 1)", 0.0, np.inf, "c, of one stop, or of the upper one"),
+        Parameter(
+            "damping_lower",
+            "N·m·s/rad or N·m·s/rad^(p + 1)",
+            0.0,
+            np.inf,
+            "c of the lower stop, where both are touched",
+        ),
+        Parameter("thickness", "rad", 0.0, np.inf, "d0, depth at which a rubber bumper would be flat"),
         Parameter("upper", "rad", -np.inf, np.inf, "deflection a at which the upper stop is touched"),
         Parameter("lower", "rad", -np.inf, np.inf, "−deflection a' at which the lower stop is touched"),
     )
@@ -79,5 +113,12 @@ class EndStop(Effect):
             made += [
                 Form(f"{told}, damped", names, _damped(side, None), *free, (told,)),
                 Form(f"{told}, Hunt-Crossley", names, _damped(side, 1.5), *free, (f"{told}, Hertz",)),
-            ]
+                Form(f"{told}, bumper", names[:1], _bumper(side), (0.0,), (np.inf,), (told, "thickness"), (),
+                     [limits, (0.2 * reach, 3.0 * reach)], (told, f"{told}, Hertz"), lambda shape, _: (shape[0], 0.7 * reach)),
+            ]  # fmt: skip
+        for power, told, simple in ((1.0, "both, damped", "both"), (1.5, "both, Hunt-Crossley", "both, Hertz")):
+            made.append(
+                Form(told, ("stiffness_upper", "stiffness_lower", "damping", "damping_lower"), _both_damped(power), (0.0,) * 4,
+                     (np.inf,) * 4, ("upper", "lower"), (), [top, bottom], (simple,))
+            )  # fmt: skip
         return made

@@ -21,16 +21,55 @@ def _columns(law: DirectionLaw, channel: str | None) -> Callable[[Scene, tuple[f
     return columns
 
 
+def _efficiency(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
+    """Losses of a gear that differ by whether it drives or is driven back."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        lost = np.abs(scene.torque) * law.signal(scene.signals, shape[0])
+        driving = lost * scene.torque > 0.0
+        return np.column_stack([lost * driving, lost * ~driving])
+
+    return columns
+
+
+def _degressive(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
+    """Contacts that flatten: friction grows less than the load."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        return (np.abs(scene.torque) ** shape[1] * law.signal(scene.signals, shape[0]))[:, None]
+
+    return columns
+
+
+def _of_spring(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        return (np.abs(scene.spring) * law.signal(scene.signals, shape[0]))[:, None]
+
+    return columns
+
+
+def _inside(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    """The elements inside the joint slide later the more it is loaded."""
+    size = max(float(np.max(np.abs(scene.spring))), 1e-300)
+    return (np.abs(scene.spring) / size * scene.strength)[:, None]
+
+
 class LoadDependentFriction(Effect):
     """Friction of gears, joints and belts: Coulomb's law with a normal force that the transmitted load makes."""
 
     id: ClassVar[str] = "load_dependent_friction"
     title: ClassVar[str] = "load-dependent friction"
     summary: ClassVar[str] = "friction in proportion to the transmitted load (gear teeth, pulleys, pressed seals)"
-    equation: ClassVar[str] = "y += μ |y_sim| s   (or |load channel| in place of |y_sim|)"
+    equation: ClassVar[str] = (
+        "y += μ |y_sim| s   (|load channel|, |y_sim|^p or the elastic part in place of |y_sim|; μ' where the joint is driven "
+        "back; or friction inside the joint that slides later under load)"
+    )
     coordinate: ClassVar[str] = "load"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("friction_coefficient", "1", 0.0, np.inf, "friction over load"),
+        Parameter("friction_coefficient_back", "1", 0.0, np.inf, "μ', where the joint is driven back"),
+        Parameter("power", "1", 0.4, 1.0, "p of the load"),
+        Parameter("strength_gain", "1", 0.0, np.inf, "relative gain of the friction's strength at the largest load"),
         *PRESLIDING,
     )
     confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "miscalibration")
@@ -40,9 +79,20 @@ class LoadDependentFriction(Effect):
         for name, values in scene.signals.channels.items():
             if any(word in name.lower() for word in LOAD_WORDS) and np.ptp(values) > 0.05 * np.max(np.abs(values)):
                 loads.append(name)
-        return [
+        made = [
             Form(f"by {load or 'torque'}, {law.name}", ("friction_coefficient",), _columns(law, load), (0.0,), (np.inf,),
                  (law.parameter,), [(value,) for value in law.grid], [law.limits])
             for load in loads
             for law in direction_laws(scene)
         ]  # fmt: skip
+        for law in direction_laws(scene):
+            simple = (f"by torque, {law.name}",)
+            made += [
+                Form(f"by torque, driving and driven, {law.name}", ("friction_coefficient", "friction_coefficient_back"),
+                     _efficiency(law), (0.0,) * 2, (np.inf,) * 2, (law.parameter,), (), [law.limits], simple),
+                Form(f"by a power of torque, {law.name}", ("friction_coefficient",), _degressive(law), (0.0,), (np.inf,),
+                     (law.parameter, "power"), (), [law.limits, (0.4, 1.0)], simple, lambda shape, _: (*shape, 0.8)),
+                Form(f"by elastic torque, {law.name}", ("friction_coefficient",), _of_spring(law), (0.0,), (np.inf,),
+                     (law.parameter,), (), [law.limits], simple),
+            ]  # fmt: skip
+        return [*made, Form("inside the joint", ("strength_gain",), _inside, (0.0,), (np.inf,))]

@@ -24,13 +24,18 @@ def _lag_twice(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return (signals.lowpass(signals.lowpass(scene.torque, shape[0]), shape[0]) - scene.torque)[:, None]
 
 
+def _late_and_filtered(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    signals = scene.signals
+    return (signals.lowpass(signals.delayed(scene.torque, shape[0]), shape[1]) - scene.torque)[:, None]
+
+
 class SensorDelay(Effect):
     """Torque is recorded later than deflection (positive) or earlier (negative: the encoder is late)."""
 
     id: ClassVar[str] = "sensor_delay"
     title: ClassVar[str] = "sensor delay"
     summary: ClassVar[str] = "torque and deflection recorded at different times (bus, filter, sampling)"
-    equation: ClassVar[str] = "y(t) = y_sim(t − τ), or τ dy/dt = y_sim − y, once or twice"
+    equation: ClassVar[str] = "y(t) = y_sim(t − τ), τ dy/dt = y_sim − y, once or twice, or both"
     coordinate: ClassVar[str] = "speed"
     acts_on: ClassVar[str] = SENSOR
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -54,4 +59,7 @@ class SensorDelay(Effect):
             Form("second-order filter", ("_unit",), _lag_twice, (1.0,), (1.0,), ("lag",), [(0.5 * t,) for t in grid[1::2]],
                  [(0.02 * step, high)]),
             Form("filter", ("_unit",), _lag, (1.0,), (1.0,), ("lag",), [(t,) for t in grid], [(0.02 * step, high)]),
+            Form("late and filtered", ("_unit",), _late_and_filtered, (1.0,), (1.0,), ("delay", "lag"), (),
+                 [(0.01 * step, high), (0.01 * step, high)], ("late", "filter", "second-order filter"),
+                 lambda shape, _: (0.5 * shape[0], 0.5 * shape[0])),
         ]  # fmt: skip

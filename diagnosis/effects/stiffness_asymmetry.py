@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
@@ -10,13 +11,7 @@ from .base import Columns, Effect, Floats, Form, Parameter, Scene
 
 __all__ = ["StiffnessAsymmetry"]
 
-
-def _spring(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return np.maximum(scene.signals.smooth_x, 0.0)[:, None]
-
-
-def _spring_lower(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return np.minimum(scene.signals.smooth_x, 0.0)[:, None]
+Part = Callable[[Scene], Floats]
 
 
 def _torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -27,32 +22,50 @@ def _torque_lower(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.minimum(scene.torque, 0.0)[:, None]
 
 
-def _side(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return (scene.torque * (scene.signals.smooth_x > 0.0))[:, None]
+def _quadratic(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return np.square(scene.signals.smooth_x)[:, None]
 
 
-def _side_lower(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return (scene.torque * (scene.signals.smooth_x < 0.0))[:, None]
-
-
-def _both(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return np.abs(scene.signals.smooth_x)[:, None]
-
-
-def _both_torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return (scene.torque * np.sign(scene.signals.smooth_x))[:, None]
-
-
-def _rounded(side: float) -> Columns:
-    """The knee of one side (±1), or of both (0), is not sharp."""
+def _sided(side: float, part: Part) -> Columns:
+    """A part of the torque on one side (±1), or of opposite sign on both (0)."""
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        x, width = scene.signals.smooth_x, shape[0]
-        if side == 0.0:
-            return (x * np.tanh(x / width))[:, None]
-        return (0.5 * x * (1.0 + side * np.tanh(x / width)))[:, None]
+        x = scene.signals.smooth_x
+        return (part(scene) * (np.sign(x) if side == 0.0 else (side * x > 0.0)))[:, None]
 
     return columns
+
+
+def _rounded(side: float, part: Part) -> Columns:
+    """The same where the change from one side to the other is not sharp."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        turned = np.tanh(scene.signals.smooth_x / shape[0])
+        return (part(scene) * (turned if side == 0.0 else 0.5 * (1.0 + side * turned)))[:, None]
+
+    return columns
+
+
+def _stretched(side: float) -> Columns:
+    """Stiffer inside the joint: on one side its elements see a larger deflection."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        x = scene.signals.x
+        return scene.torque_change(x + shape[0] * side * np.maximum(side * x, 0.0))[:, None]
+
+    return columns
+
+
+def _deflection(scene: Scene) -> Floats:
+    return scene.signals.smooth_x
+
+
+def _whole(scene: Scene) -> Floats:
+    return scene.torque
+
+
+def _elastic(scene: Scene) -> Floats:
+    return scene.spring
 
 
 class StiffnessAsymmetry(Effect):
@@ -62,11 +75,16 @@ class StiffnessAsymmetry(Effect):
     title: ClassVar[str] = "stiffness asymmetry"
     summary: ClassVar[str] = "stiffer on one side than on the other (unequal springs, one-sided contact)"
     equation: ClassVar[str] = (
-        "y += k max(±x, 0), k |x| (sharp or rounded), or g y_sim on one side or of opposite sign on both"
+        "y += k max(±x, 0), k |x| (sharp or rounded), k2 x², g y_sim or its elastic part on one side or of opposite sign "
+        "on both, or x → x + s max(±x, 0)"
     )
     coordinate: ClassVar[str] = "position"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("extra_stiffness", "N·m/rad", -np.inf, np.inf, "added on one side"),
+        Parameter("extra_stiffness_slope", "N·m/rad²", -np.inf, np.inf, "k2, of a stiffness that grows across zero"),
+        Parameter(
+            "extra_stretch", "1", -0.6, 1.5, "s, relative difference of one side's stiffness at the same strength"
+        ),
         Parameter("extra_gain", "1", -1.0, 1.0, "relative difference of one side"),
         Parameter("knee", "rad", 0.0, np.inf, "width over which the stiffness changes"),
     )
@@ -76,19 +94,27 @@ class StiffnessAsymmetry(Effect):
         free = (-np.inf,), (np.inf,)
         gain = (-1.0,), (1.0,)
         reach = scene.signals.reach
-        rounded = [
-            Form(f"spring, {told}, rounded", ("extra_stiffness",), _rounded(side), *free, ("knee",), (),
-                 [(1e-3 * reach, 0.3 * reach)], (f"spring, {told}",), lambda shape, coefficients: (0.03 * reach,))
-            for side, told in ((1.0, "upper side"), (-1.0, "lower side"), (0.0, "both sides"))
-        ]  # fmt: skip
-        return [
-            *rounded,
-            Form("spring, upper side", ("extra_stiffness",), _spring, *free),
-            Form("spring, lower side", ("extra_stiffness",), _spring_lower, *free),
-            Form("spring, both sides", ("extra_stiffness",), _both, *free),
+        knee = [(1e-3 * reach, 0.3 * reach)]
+        made = [
             Form("positive torque", ("extra_gain",), _torque, *gain),
             Form("negative torque", ("extra_gain",), _torque_lower, *gain),
-            Form("torque, upper side", ("extra_gain",), _side, *gain),
-            Form("torque, lower side", ("extra_gain",), _side_lower, *gain),
-            Form("torque, both sides", ("extra_gain",), _both_torque, *gain),
+            Form("quadratic", ("extra_stiffness_slope",), _quadratic, *free),
         ]
+        for what, part, name, bounds in (
+            ("spring", _deflection, "extra_stiffness", free),
+            ("torque", _whole, "extra_gain", gain),
+            ("elastic torque", _elastic, "extra_gain", gain),
+        ):
+            for side, told in ((1.0, "upper side"), (-1.0, "lower side"), (0.0, "both sides")):
+                sharp = f"{what}, {told}"
+                made += [
+                    Form(sharp, (name,), _sided(side, part), *bounds),
+                    Form(f"{sharp}, rounded", (name,), _rounded(side, part), *bounds, ("knee",), (), knee, (sharp,),
+                         lambda shape, coefficients: (0.03 * reach,)),
+                ]  # fmt: skip
+                if what == "torque" and side != 0.0:
+                    made.append(
+                        Form(f"stiffness, {told}", ("_unit",), _stretched(side), (1.0,), (1.0,), ("extra_stretch",), (),
+                             [(-0.6, 1.5)], (sharp,), lambda shape, coefficients: (float(coefficients[0]),))
+                    )  # fmt: skip
+        return made

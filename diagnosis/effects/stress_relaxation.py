@@ -27,13 +27,25 @@ def _of_torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return (scene.torque - scene.signals.lowpass(scene.torque, shape[0]))[:, None]
 
 
+def _spectrum_of_torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    lags = [scene.signals.lowpass(scene.torque, factor * shape[0]) for factor in (1.0, 4.0, 16.0)]
+    return np.column_stack([scene.torque - lag for lag in lags])
+
+
+def _spectrum_of_spring(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    lags = [scene.signals.lowpass(scene.spring, factor * shape[0]) for factor in (1.0, 4.0, 16.0)]
+    return np.column_stack([scene.spring - lag for lag in lags])
+
+
 class StressRelaxation(Effect):
     """Torque that decays while the deflection is held (rubber, polymer belts, tendons)."""
 
     id: ClassVar[str] = "stress_relaxation"
     title: ClassVar[str] = "stress relaxation"
     summary: ClassVar[str] = "torque that decays during a hold and rises with rate (viscoelastic Maxwell branch)"
-    equation: ClassVar[str] = "y += Σ k_i (x − L_i),  τ_i dL_i/dt = x − L_i   (or with y_sim in place of k x)"
+    equation: ClassVar[str] = (
+        "y += Σ k_i (x − L_i),  τ_i dL_i/dt = x − L_i   (or with y_sim, or its elastic part, in place of k x)"
+    )
     coordinate: ClassVar[str] = "time"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("stiffness", "N·m/rad", 0.0, np.inf, "of the (first) Maxwell branch"),
@@ -41,7 +53,9 @@ class StressRelaxation(Effect):
         Parameter(
             "stiffness_3", "N·m/rad", 0.0, np.inf, "of the third branch; a spectrum has time constants 1 : 4 : 16"
         ),
-        Parameter("share", "1", 0.0, np.inf, "part of the simulator's torque that relaxes"),
+        Parameter("share", "1", 0.0, np.inf, "part of the simulator's torque, or of its elastic part, that relaxes"),
+        Parameter("share_2", "1", 0.0, np.inf, "of the second branch of a spectrum"),
+        Parameter("share_3", "1", 0.0, np.inf, "of its third branch"),
         Parameter("time_constant", "s", 0.0, np.inf, "of the (first) branch"),
         Parameter("time_constant_2", "s", 0.0, np.inf, "of the second branch"),
     )
@@ -66,4 +80,9 @@ class StressRelaxation(Effect):
                  ("time_constant", "time_constant_2"), pairs, [limits, limits]),
             Form("spectrum", ("stiffness", "stiffness_2", "stiffness_3"), _spectrum, (0.0,) * 3, (np.inf,) * 3,
                  ("time_constant",), [(t,) for t in times[:7]], [limits]),
+            *(
+                Form(name, ("share", "share_2", "share_3"), law, (0.0,) * 3, (np.inf,) * 3, ("time_constant",), (), [limits],
+                     ("of the torque",), lambda shape, _: (max(0.25 * shape[0], low),))
+                for name, law in (("spectrum of the torque", _spectrum_of_torque), ("spectrum of the spring", _spectrum_of_spring))
+            ),
         ]  # fmt: skip

@@ -25,6 +25,14 @@ def _lorentzian(ratio: Floats) -> Floats:
     return 1.0 / (1.0 + ratio**2)
 
 
+def _blunt(ratio: Floats) -> Floats:
+    return np.exp(-np.sqrt(ratio))
+
+
+def _own_friction(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return (scene.friction * _gaussian(scene.signals.speed / shape[0]))[:, None]
+
+
 CURVES = (("p = 2", _gaussian), ("p = 1", _exponential), ("Hess-Soom", _lorentzian))
 
 
@@ -53,7 +61,7 @@ class StribeckFriction(Effect):
     title: ClassVar[str] = "Stribeck friction"
     summary: ClassVar[str] = "dry friction that falls with speed from breakaway to sliding (stick-slip, hunting)"
     equation: ClassVar[str] = (
-        "y += [F + S exp(−(|v| / w)^p)] s, p = 1 or 2; [F + S / (1 + (v / w)²)] s; or LuGre: ℓ df/dx = ±1 − f / (1 + S/F exp(−(v / w)²))"
+        "y += [F + S exp(−(|v| / w)^p)] s, p = 1/2, 1 or 2; [F + S / (1 + (v / w)²)] s; R exp(−(v / w)²) on what has memory; or LuGre: ℓ df/dx = ±1 − f / (1 + S/F exp(−(v / w)²))"
     )
     coordinate: ClassVar[str] = "speed"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -63,12 +71,15 @@ class StribeckFriction(Effect):
             "stribeck_speed", "rad/s", 0.0, np.inf, "speed at which the excess has fallen to 1/e (Hess-Soom: to half)"
         ),
         Parameter("excess_ratio", "1", 0.0, np.inf, "S over F (LuGre)"),
+        Parameter("rise", "1", 0.0, np.inf, "R, relative gain of the joint's own friction at standstill"),
         *PRESLIDING,
     )
     confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "viscous_friction")
     contains: ClassVar[tuple[str, ...]] = ("coulomb_friction",)
 
     def is_degenerate(self, parameters: dict[str, float]) -> bool:
+        if "rise" in parameters:
+            return False
         excess = parameters.get("excess_ratio", parameters.get("breakaway_excess", 0.0))
         return excess < 0.08 * (1.0 if "excess_ratio" in parameters else parameters["friction"])
 
@@ -90,4 +101,11 @@ class StribeckFriction(Effect):
             [(0.02 * fast, 2.0 * fast), laws[0].limits, (0.01, 10.0)],
             tuple(f"{CURVES[0][0]}, {law.name}" for law in laws[:2]), _from_curve,
         )  # fmt: skip
-        return [*made, lugre]
+        blunt = [
+            Form(f"p = 1/2, {law.name}", ("friction", "breakaway_excess"), _columns(law, _blunt), (0.0, 0.0), (np.inf, np.inf),
+                 ("stribeck_speed", law.parameter), (), [(0.005 * fast, 2.0 * fast), law.limits], (f"p = 1, {law.name}",))
+            for law in laws
+        ]  # fmt: skip
+        own = Form("of the joint's own friction", ("rise",), _own_friction, (0.0,), (np.inf,), ("stribeck_speed",),
+                   [(w,) for w in speeds], [(0.02 * fast, 2.0 * fast)])  # fmt: skip
+        return [*made, *blunt, lugre, own]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+import numpy as np
+
 from .base import SENSOR, Effect, Floats, Form, Parameter, Scene
 
 __all__ = ["TorqueGain"]
@@ -13,17 +15,30 @@ def _columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return scene.torque[:, None]
 
 
+def _curved(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    size = np.abs(scene.torque)
+    return (scene.torque * (1.0 - shape[0] * size / max(float(size.max()), 1e-300)))[:, None]
+
+
 class TorqueGain(Effect):
     """Every torque is larger or smaller by one factor."""
 
     id: ClassVar[str] = "torque_gain"
     title: ClassVar[str] = "torque gain"
     summary: ClassVar[str] = "torque larger or smaller by one factor (sensor scale, torque constant)"
-    equation: ClassVar[str] = "y += g y_sim"
+    equation: ClassVar[str] = "y += g y_sim, or g y_sim (1 − q |y_sim| / max |y_sim|)"
     coordinate: ClassVar[str] = "load"
     acts_on: ClassVar[str] = SENSOR
-    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("gain_error", "1", -1.0, 1.0, "factor minus one"),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("gain_error", "1", -1.0, 1.0, "factor minus one"),
+        Parameter("compression", "1", -0.4, 0.4, "q, part of it that is missing at the largest torque"),
+    )
     confused_with: ClassVar[tuple[str, ...]] = ("miscalibration", "torque_saturation", "stiffness_asymmetry")
 
     def forms(self, scene: Scene) -> list[Form]:
-        return [Form("factor", ("gain_error",), _columns, (-1.0,), (1.0,))]
+        own = ("gain_error",)
+        return [
+            Form("factor", own, _columns, (-1.0,), (1.0,)),
+            Form("compressed factor", own, _curved, (-1.0,), (1.0,), ("compression",), (), [(-0.4, 0.4)], ("factor",),
+                 lambda shape, coefficients: (0.1,)),
+        ]  # fmt: skip

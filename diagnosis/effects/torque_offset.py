@@ -15,17 +15,39 @@ def _columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.ones((scene.torque.size, 1))
 
 
+def _shifted(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return (scene.signals.elapsed > shape[0]).astype(np.float64)[:, None]
+
+
+def _settling(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return (1.0 - shape[0] * np.exp(-scene.signals.elapsed / shape[1]))[:, None]
+
+
 class TorqueOffset(Effect):
     """Constant error of the torque, or a constant load that the simulator does not know."""
 
     id: ClassVar[str] = "torque_offset"
     title: ClassVar[str] = "torque offset"
     summary: ClassVar[str] = "constant torque error (sensor zero, unmodelled constant load)"
-    equation: ClassVar[str] = "y += b"
+    equation: ClassVar[str] = "y += b, from the start, from a moment soon after, or b (1 − q exp(−t/τ))"
     coordinate: ClassVar[str] = "load"
     acts_on: ClassVar[str] = SENSOR
-    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("offset", "N·m", -np.inf, np.inf, "the constant"),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("offset", "N·m", -np.inf, np.inf, "the constant"),
+        Parameter("moment", "s", 0.0, np.inf, "at which the zero shifted"),
+        Parameter("unsettled", "1", -0.4, 0.4, "q, part that is missing at the start"),
+        Parameter("settling_time", "s", 0.0, np.inf, "τ"),
+    )
     confused_with: ClassVar[tuple[str, ...]] = ("deflection_offset", "thermal_drift")
 
     def forms(self, scene: Scene) -> list[Form]:
-        return [Form("constant", ("offset",), _columns, (-np.inf,), (np.inf,))]
+        s = scene.signals
+        span, free = float(s.elapsed.max()), ((-np.inf,), (np.inf,))
+        # A zero that goes on moving is a drift.
+        soon = [(share * span,) for share in (0.01, 0.02, 0.035, 0.05, 0.07, 0.09)]
+        return [
+            Form("constant", ("offset",), _columns, *free),
+            Form("shifted soon", ("offset",), _shifted, *free, ("moment",), soon, [(2.0 * s.interval, 0.12 * span)]),
+            Form("settling", ("offset",), _settling, *free, ("unsettled", "settling_time"), (),
+                 [(-0.4, 0.4), (2.0 * s.interval, 0.15 * span)], ("constant",), lambda shape, _: (0.1, 0.05 * span)),
+        ]  # fmt: skip

@@ -15,6 +15,10 @@ def _hard(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return (np.clip(scene.torque, -shape[0], shape[0]) - scene.torque)[:, None]
 
 
+def _unequal(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return (np.clip(scene.torque, -shape[1], shape[0]) - scene.torque)[:, None]
+
+
 def _soft(scene: Scene, shape: tuple[float, ...]) -> Floats:
     # Linear well below the limit and flat above it; a larger exponent makes a sharper knee.
     limit, power = shape
@@ -32,11 +36,15 @@ class TorqueSaturation(Effect):
     id: ClassVar[str] = "torque_saturation"
     title: ClassVar[str] = "torque saturation"
     summary: ClassVar[str] = "torque that cannot exceed a limit (sensor range, current limit, slipping clutch)"
-    equation: ClassVar[str] = "y = clip(y_sim, ±L), y_sim/(1 + |y_sim/L|^p)^(1/p) or L tanh(y_sim/L)"
+    equation: ClassVar[str] = (
+        "y = clip(y_sim, ±L) (with other limits below zero, or a part h of it), y_sim/(1 + |y_sim/L|^p)^(1/p) or L tanh(y_sim/L)"
+    )
     coordinate: ClassVar[str] = "load"
     acts_on: ClassVar[str] = SENSOR
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("limit", "N·m", 0.0, np.inf, "largest torque L"),
+        Parameter("limit_below", "N·m", 0.0, np.inf, "the same below zero, where it differs"),
+        Parameter("held", "1", 0.8, 1.0, "part of the torque beyond the limit that is taken away"),
         Parameter("sharpness", "1", 1.5, 40.0, "exponent p of the knee"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("torque_gain", "end_stop", "miscalibration")
@@ -48,8 +56,12 @@ class TorqueSaturation(Effect):
         grid = [(f * top,) for f in (0.4, 0.5, 0.6, 0.68, 0.75, 0.81, 0.87, 0.92, 0.96)]
         wide = [(f * top,) for f in (0.6, 0.8, 1.0, 1.3, 1.7, 2.5, 4.0)]
         unit = ("_unit",), (1.0,), (1.0,)
+        within = (0.2 * top, 0.99 * top)
         return [
-            Form("hard", unit[0], _hard, unit[1], unit[2], ("limit",), grid, [(0.2 * top, 0.99 * top)]),
+            Form("hard", unit[0], _hard, unit[1], unit[2], ("limit",), grid, [within]),
+            Form("hard, unequal limits", unit[0], _unequal, unit[1], unit[2], ("limit", "limit_below"), (), [within] * 2,
+                 ("hard",), lambda shape, _: (shape[0], shape[0])),
+            Form("hard, leaking", ("held",), _hard, (0.8,), (1.0,), ("limit",), (), [within], ("hard",)),
             Form("soft", unit[0], _soft, unit[1], unit[2], ("limit", "sharpness"),
                  [(f * top, p) for f in (0.6, 0.8, 0.95, 1.15, 1.6) for p in (3.0, 7.0, 16.0)],
                  [(0.3 * top, 6.0 * top), (1.5, 40.0)]),

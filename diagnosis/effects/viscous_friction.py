@@ -22,22 +22,39 @@ def _quadratic(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.column_stack([v, v * np.abs(v)])
 
 
+def _eyring(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return np.arcsinh(scene.signals.speed / shape[0])[:, None]
+
+
+def _saturating(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return np.arctan(scene.signals.speed / shape[0])[:, None]
+
+
 class ViscousFriction(Effect):
     """Damping in grease, seals, eddy currents or the structure."""
 
     id: ClassVar[str] = "viscous_friction"
     title: ClassVar[str] = "viscous friction"
     summary: ClassVar[str] = "torque that opposes motion and grows with speed (grease, seals, damping)"
-    equation: ClassVar[str] = "y += c |v|^p sgn(v), or c v + c2 |v| v"
+    equation: ClassVar[str] = "y += c |v|^p sgn(v), c v + c2 |v| v, c asinh(v/w) (Eyring), or c arctan(v/w)"
     coordinate: ClassVar[str] = "speed"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("damping", "N·m·(s/rad)^p", 0.0, np.inf, "torque at 1 rad/s"),
         Parameter("damping_2", "N·m·s²/rad²", 0.0, np.inf, "part that grows as the square (churning)"),
+        Parameter("limit", "N·m", 0.0, np.inf, "c of a grease that thins or saturates"),
+        Parameter("thinning_speed", "rad/s", 0.0, np.inf, "w, speed at which it does"),
         Parameter("power", "1", 0.5, 2.0, "1 for a Newtonian lubricant, less for a shear-thinning one"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("sensor_delay", "coulomb_friction", "stress_relaxation")
 
     def forms(self, scene: Scene) -> list[Form]:
+        fast = float(np.sqrt(np.mean(np.square(scene.signals.speed))))
+        # What thins well below the usual speeds is dry friction.
+        thinning = [
+            Form(name, ("limit",), law, (0.0,), (np.inf,), ("thinning_speed",), [(0.5 * fast,), (1.2 * fast,)],
+                 [(0.25 * fast, 5.0 * fast)])
+            for name, law in (("Eyring", _eyring), ("saturating", _saturating))
+        ]  # fmt: skip
         return [
             Form("linear", ("damping",), _columns, (0.0,), (np.inf,)),
             Form("linear and quadratic", ("damping", "damping_2"), _quadratic, (0.0, 0.0), (np.inf, np.inf)),
@@ -51,4 +68,5 @@ class ViscousFriction(Effect):
                 [(0.6,), (0.75,), (1.3,), (1.7,)],
                 [(0.5, 2.0)],
             ),
+            *thinning,
         ]
