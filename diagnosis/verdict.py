@@ -60,6 +60,8 @@ CLEARLY_WORSE = 0.004
 """Evidence a sample by which smaller errors must do worse than errors of a tenth for these to be needed."""
 NEGLIGIBLE = 0.7
 """An effect smaller than this share of the noise is no gap beyond the noise."""
+BARELY = 1.2
+"""Gap over noise up to which it is not asked how much of it is closed: noise decides that."""
 NOT_NOISE = 1.2
 """What is left over beyond the noise, as a share of it, that cannot be an error in the noise's own size."""
 KNOCK = 5.0
@@ -393,6 +395,9 @@ def _nothing(evidence: Evidence, best: Hypothesis, miscalibrated: bool, features
         miscalibrated = miscalibrated and not agree
     if miscalibrated or features["in_sample_left"] > NEGLIGIBLE:
         return False
+    if features["gap"] < BARELY and features["closed"] < 0.0:
+        # A gap as small as the noise, and an explanation that helps on no unseen sample.
+        return True
     return not best.terms or _size(best.signal) < NEGLIGIBLE * floor
 
 
@@ -406,7 +411,7 @@ def _inadequate(evidence: Evidence, features: dict[str, float]) -> bool:
         return True
     if features["largest"] > BALANCED * gap and not evidence.fitted:
         return True
-    return features["in_sample_left"] > features["forgiven"] or (features["closed"] < 0.5 and gap > 1.2)
+    return features["in_sample_left"] > features["forgiven"] or (features["closed"] < 0.5 and gap > BARELY)
 
 
 def _is_clearly_there(evidence: Evidence, features: dict[str, float]) -> bool:

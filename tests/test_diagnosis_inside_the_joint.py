@@ -1,0 +1,180 @@
+"""Effects that act inside the joint, on its spring or its friction alone, and laws as other laboratories write them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from joints import sliders
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from hystbench import models
+from hystbench.diagnosis.delivery import deliver, sentence
+from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
+from hystbench.diagnosis.emulation import Generalised, SimulatorScene, emulate, spring_of, strength_of
+from hystbench.diagnosis.hum import hum
+from hystbench.diagnosis.signals import Signals
+
+Floats = NDArray[np.float64]
+NOISE = 0.012
+STEP = 0.01
+ELEMENTS = ((6.0, 0.12), (2.0, 0.15), (0.8, 0.16))
+
+
+def spring(x: Floats) -> Floats:
+    return 4.0 * x + 0.6 * x**3
+
+
+def friction(x: Floats) -> Floats:
+    return sliders(x, ELEMENTS)
+
+
+def joint(x: Floats) -> Floats:
+    return spring(x) + friction(x)
+
+
+def motion(size: int = 3500) -> tuple[Floats, Floats]:
+    time = np.arange(size) * STEP
+    x = np.sin(2 * np.pi * 0.31 * time) * (0.55 + 0.35 * np.sin(2 * np.pi * 0.047 * time))
+    return time, (x + 0.2 * np.sin(2 * np.pi * 0.83 * time)) * (1.0 - np.exp(-time / 0.5))
+
+
+TIME, X = motion()
+SPEED = np.gradient(X, TIME)
+TRAVEL = np.cumsum(np.abs(np.diff(X, prepend=X[0])))
+SIGN = np.tanh(SPEED / 0.02)
+
+
+def signals(y_real: Floats, seed: int = 5) -> Signals:
+    noise = NOISE * np.random.default_rng(seed).standard_normal(X.size)
+    return Signals(TIME, X, y_real + noise, joint(X), [slice(0, X.size)], {})
+
+
+def diagnosed(y_real: Floats) -> Diagnosis:
+    return diagnose(signals(y_real))
+
+
+def gear(driving: float, driven: float) -> Floats:
+    lost = np.abs(joint(X)) * SIGN
+    return joint(X) + lost * np.where(SIGN * joint(X) > 0.0, driving, driven)
+
+
+def gap_off_centre(middle: float, half: float) -> Floats:
+    return joint(X - np.clip(X - middle, -half, half) + np.clip(-middle, -half, half))
+
+
+LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
+    "warm grease": ("thermal_drift", lambda: spring(X) + friction(X) * (1.0 - 0.5 * (1.0 - np.exp(-TIME / 9.0)))),
+    "room temperature": ("thermal_drift", lambda: joint(X) * (1.0 + 0.06 * np.sin(2.0 * np.pi * TIME / 30.0))),
+    "a spring that wears": ("cyclic_softening", lambda: spring(X) * (1.0 - 0.15 * np.sqrt(TRAVEL / TRAVEL[-1])) + friction(X)),
+    "a quadratic spring": ("stiffness_asymmetry", lambda: joint(X) + 0.35 * X**2),
+    "a gap off the centre": ("backlash", lambda: gap_off_centre(0.2, 0.05)),
+    "thinning grease": ("viscous_friction", lambda: joint(X) + 0.15 * np.arcsinh(SPEED / 0.6)),
+    "saturating grease": ("viscous_friction", lambda: joint(X) + 0.2 * np.arctan(SPEED / 0.9)),
+    "a gear's efficiency": ("load_dependent_friction", lambda: gear(0.1, 0.06)),
+    "a capstan": ("load_dependent_friction", lambda: joint(X) + 0.08 * np.abs(spring(X)) * SIGN),
+    "a bridge that shifted soon": ("torque_offset", lambda: joint(X) + 0.15 * (TIME > 1.7)),
+    "a preloaded spring": ("deflection_offset", lambda: spring(X + 0.08) + friction(X)),
+    "unequal directions": ("coulomb_friction", lambda: joint(X) + 0.25 * (SIGN + 0.12 * np.abs(SIGN))),
+    "a filter behind a bus": (
+        "sensor_delay",
+        lambda: lfilter([0.4], [1.0, -0.6], np.interp(TIME - 0.02, TIME, joint(X))),
+    ),
+    "unequal limits": ("torque_saturation", lambda: np.clip(joint(X), -1.9, 2.4)),
+    "a sensor's compression": ("torque_gain", lambda: joint(X) * (1.12 - 0.01 * np.abs(joint(X)))),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_law_of_another_hand_is_named(law: str) -> None:
+    expected, made = LAWS[law]
+    assert diagnosed(made()).verdict == [expected]
+
+
+# ---- the simulator's parts ---------------------------------------------------------------------------------------------
+
+
+def test_the_emulator_tells_the_spring_from_the_friction() -> None:
+    scene = SimulatorScene(signals(joint(X)), emulate(signals(joint(X)), None))
+    assert np.std(scene.spring - spring(X)) < 0.03 * np.std(spring(X))
+    assert np.std(scene.friction - friction(X)) < 0.1 * np.std(friction(X))
+    shifted = scene.spring_change(X + 0.05)
+    assert np.std(shifted - (spring(X + 0.05) - spring(X))) < 0.1 * np.std(shifted)
+
+
+def test_strength_is_the_change_with_the_level_at_which_friction_slides() -> None:
+    parameters = Generalised(signals(joint(X))).parameters()
+    stronger = sliders(X, [(stiffness, 1.05 * limit) for stiffness, limit in ELEMENTS])
+    weaker = sliders(X, [(stiffness, 0.95 * limit) for stiffness, limit in ELEMENTS])
+    change = (stronger - weaker) / 0.1
+    found = strength_of(parameters, X, [slice(0, X.size)])
+    assert np.std(found - change) < 0.2 * np.std(change)
+    assert spring_of(parameters, np.zeros(3)) == pytest.approx(np.zeros(3), abs=1e-12)
+
+
+# ---- one factor, or several errors -------------------------------------------------------------------------------------
+
+
+def test_one_factor_is_a_gain_and_several_errors_are_a_miscalibration() -> None:
+    assert diagnosed(1.05 * joint(X)).verdict == ["torque_gain"]
+    several = (
+        1.05 * 4.0 * X
+        + 0.96 * 0.6 * X**3
+        + sliders(X, [(k * s, f * s) for (k, f), s in zip(ELEMENTS, (1.05, 0.96, 1.04), strict=True)])
+    )
+    assert diagnosed(several).verdict == ["miscalibration"]
+
+
+# ---- a hum -------------------------------------------------------------------------------------------------------------
+
+
+def test_a_hum_that_passes_for_noise_is_told_with_its_frequency() -> None:
+    found = diagnosed(joint(X) + 0.05 * np.sin(2.0 * np.pi * 31.0 * TIME))
+    assert found.verdict == ["unknown"]
+    assert found.choice.hum == pytest.approx(31.0, abs=0.3)
+    assert "hum" in sentence(found)
+    assert any("shield or filter" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_noise_does_not_hum(seed: int) -> None:
+    white = signals(joint(X), seed)
+    assert hum(white) == 0.0
+    smooth = np.convolve(white.y_real - white.y_sim, np.ones(4) / 4.0, mode="same")
+    assert hum(Signals(TIME, X, joint(X) + smooth, joint(X), [slice(0, X.size)], {})) == 0.0
+
+
+# ---- a model file that was fitted --------------------------------------------------------------------------------------
+
+
+def damped(rate: float, damping: float) -> pd.DataFrame:
+    time = np.arange(900) * 0.01 / rate
+    x = 0.8 * np.sin(2.0 * np.pi * rate * 0.5 * time) * (1.0 - 0.5 * np.cos(2.0 * np.pi * rate * 0.11 * time))
+    noise = 0.004 * np.random.default_rng(7).standard_normal(x.size)
+    y = joint(x) + damping * np.gradient(x, time) + noise
+    return pd.DataFrame({"time_s": time, "deflection_rad": x, "torque_nm": y})
+
+
+def test_a_model_file_tells_whether_it_was_fitted(tmp_path: Path) -> None:
+    fitted = models.get("prandtl-ishlinskii")().fit(X, joint(X))
+    fitted.save(tmp_path / "fitted.json")
+    assert models.load(tmp_path / "fitted.json").fitted_samples_ == X.size
+    models.get("prandtl-ishlinskii").from_parameters(**fitted.parameters_).save(tmp_path / "given.json")
+    assert models.load(tmp_path / "given.json").fitted_samples_ == 0
+
+
+def test_what_a_fitted_model_file_lacks_is_found_though_it_took_a_part_of_it(tmp_path: Path) -> None:
+    real = []
+    for rate in (0.4, 4.0):
+        real.append(tmp_path / f"real{rate}.csv")
+        damped(rate, 0.15).to_csv(real[-1], index=False)
+    both = pd.concat([pd.read_csv(file) for file in real])
+    groups = np.repeat([0, 1], 900)
+    model = models.get("bouc-wen")().fit(both["deflection_rad"], both["torque_nm"], groups)
+    model.save(tmp_path / "model.json")
+    lines = deliver(real, [tmp_path / "model.json"], None, None, (), 0, {"x": None, "y": None, "time": None})
+    assert any(line.startswith("viscous_friction") for line in lines), lines
