@@ -44,10 +44,12 @@ Floats = NDArray[np.float64]
 ELEMENTS = 14
 BRISTLES = 5
 BIAS = 1e-5
+PLACES = 4
+"""Ways in which an element's torque may depend on where it is."""
 STEEPNESS = (0.02, 0.08, 0.3)
 DEGREE = 5
 # Registered models that compete with the built-in emulator, in seconds rather than minutes.
-COMPETITORS = ("prandtl-ishlinskii",)
+COMPETITORS = ("prandtl-ishlinskii", "preisach", "dahl")
 GOOD_ENOUGH = 0.01
 REMEMBERED = 48
 """Effects' columns that are kept at a time."""
@@ -262,8 +264,9 @@ class Generalised:
         stretched = (self.predict((1.0 + small) * x) - self.predict((1.0 - small) * x)) / (2.0 * small)
         structure = np.hstack([stops * weights, (wider - narrower) * (weights / 0.1)])
         rates = self._rates() * self.rates
+        by_place = (placed * self.placed).reshape(x.size, PLACES, -1).sum(axis=2)
         bulk = np.column_stack([
-            shapes, odd, even, preload, width, _uncancelled(placed * self.placed), stretched, _uncancelled(rates),
+            shapes, odd, even, preload, width, _uncancelled(by_place), stretched, _uncancelled(rates),
         ])  # fmt: skip
         return structure, bulk
 
@@ -279,19 +282,30 @@ def _parts(
     x: Floats, runs: Sequence[slice], reach: float, thresholds: Floats, lengths: Floats
 ) -> tuple[Floats, Floats, Floats]:
     """Columns of the elastic curve, of the elements with memory, and of stops weighed by position."""
-    played = np.concatenate([plays(x[run], thresholds) for run in runs])
-    stops = x[:, None] - played
+    stops, signs = _elements(x, runs, thresholds, lengths)
+    u = _place(x, reach)
+    elastic: Floats = np.asarray(np.polynomial.legendre.legvander(u, DEGREE))
+    placed = np.hstack([stops[:, 2::2] * weight[:, None] for weight in _weights(u)])
+    return elastic, np.hstack([stops, signs]), placed
+
+
+def _elements(x: Floats, runs: Sequence[slice], thresholds: Floats, lengths: Floats) -> tuple[Floats, Floats]:
+    """Stops and bristles, shapes (n, thresholds) and (n, lengths)."""
+    stops = x[:, None] - np.concatenate([plays(x[run], thresholds) for run in runs])
     # Like the stops, bristles come from the virgin state at zero to where a recording begins.
     whole = [np.concatenate([[0.0], x[run]]) for run in runs]
-    signs = np.column_stack(
-        [np.concatenate([bristle(way, length)[1:] for way in whole]) * length for length in lengths]
-    )
+    signs = [np.concatenate([bristle(way, length)[1:] for way in whole]) * length for length in lengths]
+    return stops, np.column_stack(signs) if signs else np.empty((x.size, 0))
+
+
+def _place(x: Floats, reach: float) -> Floats:
     # Polynomials are not to be trusted far beyond the recorded stroke: they end there.
-    u = np.clip(x / reach, -1.3, 1.3)
-    elastic: Floats = np.asarray(np.polynomial.legendre.legvander(u, DEGREE))
-    some = stops[:, [ELEMENTS // 3, 2 * ELEMENTS // 3]]
-    placed = np.hstack([u[:, None] * some, (u * u)[:, None] * some])
-    return elastic, np.hstack([stops, signs]), placed
+    return np.asarray(np.clip(x / reach, -1.3, 1.3))
+
+
+def _weights(u: Floats) -> tuple[Floats, ...]:
+    """How an element's torque may depend on its place, ``PLACES`` of them."""
+    return u, u * u, np.abs(u), u**3
 
 
 def _rates(speed: Floats, acceleration: Floats, fast: float) -> Floats:
@@ -303,30 +317,27 @@ def predict_generalised(
     parameters: Mapping[str, Any], x: Floats, runs: Sequence[slice], speed: Floats, acceleration: Floats
 ) -> Floats:
     """Output of the built-in emulator, N·m, shape (n,), from the virgin state in each run."""
-    elastic, elements, placed = _parts(x, runs, parameters["reach"], parameters["thresholds"], parameters["lengths"])
-    rates = _rates(speed, acceleration, float(parameters["fast"]))
-    return (
-        elastic @ parameters["elastic"]
-        + elements @ parameters["weights"]
-        + placed @ parameters["placed"]
-        + rates @ parameters["rates"]
-    )
+    stops, signs = _elements(x, runs, parameters["thresholds"], parameters["lengths"])
+    u, weights = _place(x, parameters["reach"]), parameters["weights"]
+    # Summed as they come: the columns that an identification needs are never made.
+    y = np.polynomial.legendre.legval(u, parameters["elastic"])
+    y += stops @ weights[: stops.shape[1]] + signs @ weights[stops.shape[1] :]
+    for weight, part in zip(_weights(u), np.reshape(parameters["placed"], (PLACES, -1)), strict=True):
+        y += weight * (stops[:, 2::2] @ part)
+    return np.asarray(y + _rates(speed, acceleration, float(parameters["fast"])) @ parameters["rates"])
 
 
 def spring_of(parameters: Mapping[str, Any], x: Floats) -> Floats:
     """The elastic part of the built-in emulator's output, without torque at rest, N·m, shape (n,)."""
     elastic = np.asarray(parameters["elastic"])
-    u = np.clip(np.column_stack([x, np.zeros_like(x)]) / parameters["reach"], -1.3, 1.3)
-    curve = np.polynomial.legendre.legval(u, elastic)
-    return np.asarray(curve[:, 0] - curve[:, 1])
+    curve = np.polynomial.legendre.legval(_place(x, parameters["reach"]), elastic)
+    return np.asarray(curve - np.polynomial.legendre.legval(0.0, elastic))
 
 
 def strength_of(parameters: Mapping[str, Any], x: Floats, runs: Sequence[slice]) -> Floats:
     """Change of the built-in emulator's output for a relative change by one of the strength of what has memory."""
     thresholds, lengths, weights = (np.asarray(parameters[name]) for name in ("thresholds", "lengths", "weights"))
-    wider, narrower = (
-        _parts(x, runs, parameters["reach"], scale * thresholds, scale * lengths)[1] for scale in (1.05, 0.95)
-    )
+    wider, narrower = (np.hstack(_elements(x, runs, scale * thresholds, scale * lengths)) for scale in (1.05, 0.95))
     return np.asarray((wider - narrower) @ weights / 0.1)
 
 

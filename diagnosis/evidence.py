@@ -43,7 +43,7 @@ FINEST = 0.035
 """Misfit, as a share of the gap's RMS, that counts as much as noise of that size."""
 FINE = 0.02
 """Relative error of the simulator's fine structure that is no miscalibration: no two models agree better."""
-ENOUGH = 5000
+ENOUGH = 2500
 """Samples on which shapes are refined."""
 ORDER = {INPUT: 0, TORQUE: 1, SENSOR: 2}
 
@@ -146,6 +146,9 @@ def boxed_least_squares(gram: Floats, moment: Floats, lower: Floats, upper: Floa
     m, k = moment.shape
     if k == 0:
         return np.zeros((m, 0)), np.zeros(m)
+    if k == 1:
+        single = np.clip(moment / np.maximum(gram[:, 0], 1e-300), lower, upper)
+        return single, np.asarray((2.0 * moment * single - gram[:, 0] * single**2)[:, 0])
     norm = np.sqrt(np.maximum(np.einsum("mii->mi", gram), 1e-300))
     scaled = gram / (norm[:, :, None] * norm[:, None, :]) + 1e-9 * np.eye(k)
     wanted = moment / norm

@@ -61,7 +61,8 @@ class Library:
                     self._laws.append(numbers)
                     key = (tuple(form.lower), tuple(form.upper), len(form.shapes))
                     self._alike.setdefault(key, []).extend(numbers)
-        self._matrix = matrix = np.hstack(made)
+        matrix = np.hstack(made)
+        self._blocks = [matrix]
         self._gram = matrix.T @ matrix
         self._moment = matrix.T @ evidence.gap
         self._inside = evidence.inside(matrix)
@@ -72,8 +73,8 @@ class Library:
 
         They are no candidates for extension themselves.
         """
-        made, start = [self._matrix], self._matrix.shape[1]
-        numbers = []
+        made: list[Floats] = []
+        numbers, start = [], self._moment.size
         for term in terms:
             columns = term.form.columns(self.evidence.scene, term.shape)[self.evidence.rows]
             numbers.append(len(self.terms))
@@ -81,9 +82,9 @@ class Library:
             self.slices.append(slice(start, start + columns.shape[1]))
             made.append(columns)
             start += columns.shape[1]
-        new = np.hstack(made[1:])
-        across = self._matrix.T @ new
-        self._matrix = np.hstack(made)
+        new = np.hstack(made)
+        across = np.vstack([block.T @ new for block in self._blocks])
+        self._blocks.append(new)
         self._gram = np.block([[self._gram, across], [across.T, new.T @ new]])
         self._moment = np.concatenate([self._moment, new.T @ self.evidence.gap])
         self._inside = np.hstack([self._inside, self.evidence.inside(new)])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -52,14 +53,29 @@ def _both_damped(power: float) -> Columns:
     return columns
 
 
-def _bumper(side: float) -> Columns:
-    """Rubber that stiffens as it is squeezed flat: d/(1 − d/d0)."""
+def _rubber(depth: Floats, thickness: float) -> Floats:
+    return np.asarray(depth / np.maximum(1.0 - depth / thickness, 0.02))
 
+
+def _progressive(depth: Floats, thickness: float) -> Floats:
+    return np.expm1(np.minimum(depth / thickness, 50.0))
+
+
+BUMPERS = (("bumper", _rubber, 0.7), ("exponential", _progressive, 0.2))
+"""Stops that stiffen as they are pressed, with the thickness to start from as a share of the reach."""
+
+
+def _bumper(sides: Sequence[str], law: Callable[[Floats, float], Floats]) -> Columns:
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        depth = np.maximum(side * scene.signals.smooth_x - shape[0], 0.0)
-        return (side * depth / np.maximum(1.0 - depth / shape[1], 0.02))[:, None]
+        signs = [1.0 if side == "upper" else -1.0 for side in sides]
+        depths = [np.maximum(sign * scene.signals.smooth_x - end, 0.0) for sign, end in zip(signs, shape, strict=False)]
+        return np.column_stack([sign * law(depth, shape[-1]) for sign, depth in zip(signs, depths, strict=True)])
 
     return columns
+
+
+def _thick(thickness: float) -> Callable[[tuple[float, ...], Floats], tuple[float, ...]]:
+    return lambda shape, coefficients: (*shape, thickness)
 
 
 class EndStop(Effect):
@@ -70,7 +86,7 @@ class EndStop(Effect):
     summary: ClassVar[str] = "contact that stiffens the joint beyond a deflection near the end of the stroke"
     equation: ClassVar[str] = (
         "y += k d^p − k' d'^p,  d = max(x − a, 0), d' = max(−x − a', 0), p = 1 or 1.5; damped: + c v or + c d^p v while "
-        "touched; or y += k d / (1 − d/d0)"
+        "touched; or y += k d / (1 − d/d0) or k (exp(d/d0) − 1)"
     )
     coordinate: ClassVar[str] = "position"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -84,7 +100,13 @@ class EndStop(Effect):
             np.inf,
             "c of the lower stop, where both are touched",
         ),
-        Parameter("thickness", "rad", 0.0, np.inf, "d0, depth at which a rubber bumper would be flat"),
+        Parameter(
+            "thickness",
+            "rad",
+            0.0,
+            np.inf,
+            "d0, depth at which a rubber bumper would be flat, or over which its torque grows e-fold",
+        ),
         Parameter("upper", "rad", -np.inf, np.inf, "deflection a at which the upper stop is touched"),
         Parameter("lower", "rad", -np.inf, np.inf, "−deflection a' at which the lower stop is touched"),
     )
@@ -113,9 +135,15 @@ class EndStop(Effect):
             made += [
                 Form(f"{told}, damped", names, _damped(side, None), *free, (told,)),
                 Form(f"{told}, Hunt-Crossley", names, _damped(side, 1.5), *free, (f"{told}, Hertz",)),
-                Form(f"{told}, bumper", names[:1], _bumper(side), (0.0,), (np.inf,), (told, "thickness"), (),
-                     [limits, (0.2 * reach, 3.0 * reach)], (told, f"{told}, Hertz"), lambda shape, _: (shape[0], 0.7 * reach)),
             ]  # fmt: skip
+        for kind, law, share in BUMPERS:
+            for sides, ends in ((("upper",), [top]), (("lower",), [bottom]), (("upper", "lower"), [top, bottom])):
+                told = "both" if len(sides) > 1 else sides[0]
+                made.append(
+                    Form(f"{told}, {kind}", [f"stiffness_{side}" for side in sides], _bumper(sides, law), (0.0,) * len(sides),
+                         (np.inf,) * len(sides), (*sides, "thickness"), (), [*ends, (0.03 * reach, 3.0 * reach)],
+                         (told, f"{told}, Hertz"), _thick(share * reach))
+                )  # fmt: skip
         for power, told, simple in ((1.0, "both, damped", "both"), (1.5, "both, Hunt-Crossley", "both, Hertz")):
             made.append(
                 Form(told, ("stiffness_upper", "stiffness_lower", "damping", "damping_lower"), _both_damped(power), (0.0,) * 4,

@@ -27,6 +27,23 @@ def _of_torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return (scene.torque - scene.signals.lowpass(scene.torque, shape[0]))[:, None]
 
 
+def _two_of_torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return np.column_stack([scene.torque - scene.signals.lowpass(scene.torque, tau) for tau in shape])
+
+
+def _two_of_spring(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return np.column_stack([scene.spring - scene.signals.lowpass(scene.spring, tau) for tau in shape])
+
+
+def _creep(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    """The simulator knows the torque before it relaxes: what has relaxed is missing."""
+    return np.column_stack([-scene.signals.lowpass(scene.torque, tau) for tau in shape])
+
+
+def _creep_spectrum(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return _creep(scene, (shape[0], 4.0 * shape[0], 16.0 * shape[0]))
+
+
 def _spectrum_of_torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
     lags = [scene.signals.lowpass(scene.torque, factor * shape[0]) for factor in (1.0, 4.0, 16.0)]
     return np.column_stack([scene.torque - lag for lag in lags])
@@ -44,7 +61,7 @@ class StressRelaxation(Effect):
     title: ClassVar[str] = "stress relaxation"
     summary: ClassVar[str] = "torque that decays during a hold and rises with rate (viscoelastic Maxwell branch)"
     equation: ClassVar[str] = (
-        "y += Σ k_i (x − L_i),  τ_i dL_i/dt = x − L_i   (or with y_sim, or its elastic part, in place of k x)"
+        "y += Σ k_i (x − L_i),  τ_i dL_i/dt = x − L_i   (or with y_sim, or its elastic part, in place of k x; or y −= Σ s_i L_i of y_sim)"
     )
     coordinate: ClassVar[str] = "time"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -76,10 +93,21 @@ class StressRelaxation(Effect):
         return [
             Form("one branch", ("stiffness",), _of_deflection, *free, ("time_constant",), [(t,) for t in times], [limits]),
             Form("of the torque", ("share",), _of_torque, *free, ("time_constant",), [(t,) for t in times], [limits]),
+            Form("from the torque down", ("share",), _creep, *free, ("time_constant",), [(t,) for t in times[::2]], [limits]),
             Form("two branches", ("stiffness", "stiffness_2"), _of_deflection, (0.0, 0.0), (np.inf, np.inf),
                  ("time_constant", "time_constant_2"), pairs, [limits, limits]),
             Form("spectrum", ("stiffness", "stiffness_2", "stiffness_3"), _spectrum, (0.0,) * 3, (np.inf,) * 3,
                  ("time_constant",), [(t,) for t in times[:7]], [limits]),
+            Form("from the torque down, two branches", ("share", "share_2"), _creep, (0.0,) * 2, (np.inf,) * 2,
+                 ("time_constant", "time_constant_2"), (), [limits, limits], ("from the torque down",),
+                 lambda shape, _: (max(0.4 * shape[0], low), min(2.5 * shape[0], high))),
+            Form("from the torque down, spectrum", ("share", "share_2", "share_3"), _creep_spectrum, (0.0,) * 3, (np.inf,) * 3,
+                 ("time_constant",), (), [limits], ("from the torque down",), lambda shape, _: (max(0.25 * shape[0], low),)),
+            *(
+                Form(name, ("share", "share_2"), law, (0.0,) * 2, (np.inf,) * 2, ("time_constant", "time_constant_2"), (),
+                     [limits, limits], ("of the torque",), lambda shape, _: (max(0.4 * shape[0], low), min(2.5 * shape[0], high)))
+                for name, law in (("two branches of the torque", _two_of_torque), ("two branches of the spring", _two_of_spring))
+            ),
             *(
                 Form(name, ("share", "share_2", "share_3"), law, (0.0,) * 3, (np.inf,) * 3, ("time_constant",), (), [limits],
                      ("of the torque",), lambda shape, _: (max(0.25 * shape[0], low),))
