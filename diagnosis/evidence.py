@@ -231,11 +231,11 @@ class Evidence:
         return self.gap.size
 
     @cached_property
-    def _fewer(self) -> Evidence:
-        """The same on some thousand samples spread over the recording, which are enough to place a shape."""
+    def _fewer(self) -> Evidence | None:
+        """The same on some thousand samples spread over the recording, which are enough to place a shape; None if all are."""
         step = self.size // ENOUGH
         if step < 2:
-            return self
+            return None
         rows = np.zeros_like(self.rows)
         rows[np.flatnonzero(self.rows)[::step]] = True
         return Evidence(self.scene, rows, self.thinning, self.fitted)
@@ -346,7 +346,7 @@ class Evidence:
                 shapes[i][j] = float(value)
             return tuple(Term(t.effect, t.form, tuple(s), t.laws) for t, s in zip(start.terms, shapes, strict=True))
 
-        fewer = self._fewer
+        fewer = self._fewer or self
 
         def left(values: Floats) -> Floats:
             fitted = fewer.fit(terms_at(values), (start.scale,))
