@@ -83,7 +83,8 @@ def svg(figure: Figure, name: str, description: str) -> str:
     text = re.sub(r"font: ([\d.]+)px [^;\"]*", r"font-size: \1px", text)
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     text = re.sub(r"\n\s*", "\n", text)
-    text = re.sub(r"(\d+\.\d{2})\d+", r"\1", text)
+    # Coordinates need no more digits; what is written beside the axes keeps its own.
+    text = re.sub(r"<[^>]*>", lambda tag: re.sub(r"(\d+\.\d{2})\d+", r"\1", tag[0]), text)
     label = _escape(description)
     return re.sub(
         r'<svg ([^>]*?)width="([\d.]+)pt" height="([\d.]+)pt"',
