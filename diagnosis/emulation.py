@@ -223,8 +223,8 @@ class Generalised:
             "placed": self.placed, "weights": self.weights, "rates": self.rates, "fast": self.fast,
         }  # fmt: skip
 
-    def _parts(self, x: Floats, scale: float = 1.0) -> tuple[Floats, Floats, Floats]:
-        return _parts(x, self.signals.runs, self.reach, scale * self.thresholds, scale * self.lengths)
+    def _parts(self, x: Floats) -> tuple[Floats, Floats, Floats]:
+        return _parts(x, self.signals.runs, self.reach, self.thresholds, self.lengths)
 
     def predict(self, x: Floats) -> Floats:
         signals = self.signals
@@ -247,7 +247,6 @@ class Generalised:
         """Columns (n, m) of structure and bulk, each the change for a relative error of one of some parameter."""
         x = self.signals.x
         elastic, stops, placed = self._parts(x)
-        wider, narrower = self._parts(x, 1.05)[1], self._parts(x, 0.95)[1]
         # An element that the sparse fit left out shares its neighbours' size: its parameters are unknown, not exact.
         weights = np.maximum(self.weights, 0.5 * np.convolve(self.weights, np.ones(3) / 3.0, mode="same"))
         # A spring has no torque at rest, so neither has the change of a stiffness; a preload may be off by itself.
@@ -262,7 +261,8 @@ class Generalised:
         shapes = unit * np.array([size_odd if k % 2 == 0 else size_even for k in range(DEGREE)]) * 0.4
         small = 1e-3
         stretched = (self.predict((1.0 + small) * x) - self.predict((1.0 - small) * x)) / (2.0 * small)
-        structure = np.hstack([stops * weights, (wider - narrower) * (weights / 0.1)])
+        stronger = _stronger(x, self.signals.runs, self.thresholds, self.lengths)
+        structure = np.hstack([stops * weights, stronger * weights])
         rates = self._rates() * self.rates
         by_place = (placed * self.placed).reshape(x.size, PLACES, -1).sum(axis=2)
         bulk = np.column_stack([
@@ -337,8 +337,13 @@ def spring_of(parameters: Mapping[str, Any], x: Floats) -> Floats:
 def strength_of(parameters: Mapping[str, Any], x: Floats, runs: Sequence[slice]) -> Floats:
     """Change of the built-in emulator's output for a relative change by one of the strength of what has memory."""
     thresholds, lengths, weights = (np.asarray(parameters[name]) for name in ("thresholds", "lengths", "weights"))
+    return np.asarray(_stronger(x, runs, thresholds, lengths) @ weights)
+
+
+def _stronger(x: Floats, runs: Sequence[slice], thresholds: Floats, lengths: Floats) -> Floats:
+    """Change of each element for a relative change by one of its strength at the same stiffness."""
     wider, narrower = (np.hstack(_elements(x, runs, scale * thresholds, scale * lengths)) for scale in (1.05, 0.95))
-    return np.asarray((wider - narrower) @ weights / 0.1)
+    return np.asarray((wider - narrower) / 0.1)
 
 
 def _solve(free: Floats, bounded: Floats, target: Floats) -> Floats:

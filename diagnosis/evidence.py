@@ -12,7 +12,6 @@ from __future__ import annotations
 import functools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -230,7 +229,7 @@ class Evidence:
     def size(self) -> int:
         return self.gap.size
 
-    @cached_property
+    @functools.cached_property
     def _fewer(self) -> Evidence | None:
         """The same on some thousand samples spread over the recording, which are enough to place a shape; None if all are."""
         step = self.size // ENOUGH

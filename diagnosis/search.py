@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .effects.base import Effect
+from .effects.base import Effect, Form
 from .evidence import Evidence, Hypothesis, Scale, Term, boxed_least_squares, count_unknowns, is_refitted
 
 __all__ = ["Library", "search"]
@@ -234,11 +235,17 @@ def _successors(evidence: Evidence, fitted: Hypothesis) -> list[Hypothesis]:
         for form in term.effect.forms(evidence.scene):
             if term.form.name in form.refines:
                 shape = form.start(term.shape, coefficients) if form.start else term.shape
-                inside = tuple(float(np.clip(v, low, high)) for v, (low, high) in zip(shape, form.limits, strict=True))
-                terms = list(fitted.terms)
-                terms[k] = Term(term.effect, form, inside, term.laws)
+                terms = _with_law(fitted, k, form, shape)
                 made.append(evidence.refine_anyhow(terms, 10 if len(terms) == 1 else IN_COMPANY))
     return made
+
+
+def _with_law(fitted: Hypothesis, k: int, form: Form, shape: Sequence[float]) -> list[Term]:
+    """The terms with the law of the ``k``-th replaced, its shape moved within the law's limits."""
+    terms = list(fitted.terms)
+    inside = tuple(float(np.clip(v, low, high)) for v, (low, high) in zip(shape, form.limits, strict=True))
+    terms[k] = replace(terms[k], form=form, shape=inside)
+    return terms
 
 
 def _siblings(evidence: Evidence, fitted: Hypothesis) -> list[Hypothesis]:
@@ -265,10 +272,7 @@ def _best_sibling(evidence: Evidence, fitted: Hypothesis, k: int) -> Hypothesis 
     for form in term.effect.forms(evidence.scene) if term.shape else ():
         if form.shapes != term.form.shapes or form.name == term.form.name:
             continue
-        terms = list(fitted.terms)
-        inside = tuple(float(np.clip(v, low, high)) for v, (low, high) in zip(term.shape, form.limits, strict=True))
-        terms[k] = Term(term.effect, form, inside, term.laws)
-        others.append(evidence.fit(terms))
+        others.append(evidence.fit(_with_law(fitted, k, form, term.shape)))
     best = max(others, key=lambda hypothesis: hypothesis.score, default=None)
     if best is None or best.score < fitted.score - AT_FIRST * evidence.size:
         return None

@@ -184,9 +184,14 @@ class Signals:
         return self._half_cycles[1]
 
     @cached_property
+    def moved(self) -> Floats:
+        """Way since the sample before, rad; 0 where a recording begins."""
+        return self.per_run(lambda run: np.diff(self.smooth_x[run], prepend=self.smooth_x[run][0]))
+
+    @cached_property
     def travel(self) -> Floats:
         """Distance covered since the recording began, rad."""
-        return self.per_run(lambda run: np.cumsum(np.abs(np.diff(self.smooth_x[run], prepend=self.smooth_x[run][0]))))
+        return self.per_run(lambda run: np.cumsum(np.abs(self.moved[run])))
 
     @cached_property
     def reversals(self) -> Floats:

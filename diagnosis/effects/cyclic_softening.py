@@ -16,10 +16,6 @@ FEWEST = 10
 """Reversals below which their number is too coarse a count."""
 
 
-def _exponential(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return 1.0 - np.exp(-scene.signals.travel / shape[0])
-
-
 def _linear(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return scene.signals.travel
 
@@ -39,27 +35,18 @@ def _power(scene: Scene, shape: tuple[float, ...]) -> Floats:
 
 def _work(scene: Scene) -> Floats:
     s = scene.signals
-    moved = s.per_run(lambda run: np.abs(np.diff(s.smooth_x[run], prepend=s.smooth_x[run][0])))
-    return s.per_run(lambda run: np.cumsum(np.abs(scene.torque[run]) * moved[run]))
-
-
-def _by_work(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return np.asarray(1.0 - np.exp(-_work(scene) / shape[0]))
+    return s.per_run(lambda run: np.cumsum(np.abs(scene.torque[run]) * np.abs(s.moved[run])))
 
 
 def _losses(scene: Scene) -> Floats:
     """Work that does not come back: of the part with memory."""
     s, friction = scene.signals, scene.friction
-    moved = s.per_run(lambda run: np.diff(s.smooth_x[run], prepend=s.smooth_x[run][0]))
-    return s.per_run(lambda run: np.maximum.accumulate(np.maximum(np.cumsum(friction[run] * moved[run]), 0.0)))
+    return s.per_run(lambda run: np.maximum.accumulate(np.maximum(np.cumsum(friction[run] * s.moved[run]), 0.0)))
 
 
-def _by_losses(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return np.asarray(1.0 - np.exp(-_losses(scene) / shape[0]))
-
-
-def _by_reversals(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return np.asarray(1.0 - np.exp(-scene.signals.reversals / shape[0]))
+def _exponential(used: Callable[[Scene], Floats]) -> Worn:
+    """Wear that comes to an end: 1 − exp(−``used``/constant)."""
+    return lambda scene, shape: np.asarray(1.0 - np.exp(-used(scene) / shape[0]))
 
 
 def _column(worn: Worn) -> Columns:
@@ -102,21 +89,28 @@ class CyclicSoftening(Effect):
         limits = [(0.03 * total, 3.0 * total)]
         laws: list[tuple[str, Worn, float, Sequence[str], Sequence[tuple[float, ...]], Sequence[tuple[float, float]]]] = [
             ("linear", _linear, 1.0 / max(total, 1e-300), (), [()], []),
-            ("exponential", _exponential, 1.0, ("travel_constant",), lengths, limits),
+            ("exponential", _exponential(lambda scene: scene.signals.travel), 1.0, ("travel_constant",), lengths, limits),
             ("hyperbolic", _hyperbolic, 1.0, ("travel_constant",), lengths, limits),
             ("logarithm", _logarithm, 1.0, ("travel_constant",), lengths[1::2], limits),
             ("power of travel", _power, np.inf, ("power",), [(0.5,), (0.75,)], [(0.3, 0.95)]),
-            ("by work", _by_work, 1.0, ("work_constant",), [(share * work,) for share in (0.1, 0.4, 1.5)],
+            ("by work", _exponential(_work), 1.0, ("work_constant",), [(share * work,) for share in (0.1, 0.4, 1.5)],
              [(0.03 * work, 3.0 * work)]),
         ]  # fmt: skip
         losses = float(_losses(scene).max())
         if losses > 0.0:
-            laws.append(("by losses", _by_losses, 1.0, ("loss_constant",), [(share * losses,) for share in (0.2, 0.8, 3.0)],
+            laws.append(("by losses", _exponential(_losses), 1.0, ("loss_constant",), [(share * losses,) for share in (0.2, 0.8, 3.0)],
                          [(0.03 * losses, 5.0 * losses)]))  # fmt: skip
         if turns >= FEWEST:
             numbers = [(share * turns,) for share in (0.1, 0.3, 1.0)]
             laws.append(
-                ("by reversals", _by_reversals, 1.0, ("reversals_constant",), numbers, [(0.03 * turns, 3.0 * turns)])
+                (
+                    "by reversals",
+                    _exponential(lambda scene: scene.signals.reversals),
+                    1.0,
+                    ("reversals_constant",),
+                    numbers,
+                    [(0.03 * turns, 3.0 * turns)],
+                )
             )
         made = []
         for name, worn, most, shapes, grid, bounds in laws:

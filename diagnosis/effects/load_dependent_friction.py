@@ -13,12 +13,12 @@ __all__ = ["LoadDependentFriction"]
 LOAD_WORDS = ("pressure", "load", "force", "tension", "preload", "clamp", "bar")
 
 
-def _columns(law: DirectionLaw, channel: str | None) -> Callable[[Scene, tuple[float, ...]], Floats]:
-    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        load = scene.torque if channel is None else scene.signals.channels[channel]
-        return (np.abs(load) * law.signal(scene.signals, shape[0]))[:, None]
+def _columns(law: DirectionLaw, load: Callable[[Scene], Floats]) -> Callable[[Scene, tuple[float, ...]], Floats]:
+    return lambda scene, shape: (np.abs(load(scene)) * law.signal(scene.signals, shape[0]))[:, None]
 
-    return columns
+
+def _measured(channel: str) -> Callable[[Scene], Floats]:
+    return lambda scene: scene.signals.channels[channel]
 
 
 def _efficiency(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
@@ -37,13 +37,6 @@ def _degressive(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Float
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         return (np.abs(scene.torque) ** shape[1] * law.signal(scene.signals, shape[0]))[:, None]
-
-    return columns
-
-
-def _of_spring(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
-    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        return (np.abs(scene.spring) * law.signal(scene.signals, shape[0]))[:, None]
 
     return columns
 
@@ -75,24 +68,25 @@ class LoadDependentFriction(Effect):
     confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "miscalibration")
 
     def forms(self, scene: Scene) -> list[Form]:
-        loads: list[str | None] = [None]
+        loads: dict[str, Callable[[Scene], Floats]] = {"torque": lambda scene: scene.torque}
         for name, values in scene.signals.channels.items():
             if any(word in name.lower() for word in LOAD_WORDS) and np.ptp(values) > 0.05 * np.max(np.abs(values)):
-                loads.append(name)
+                loads[name] = _measured(name)
+        laws = direction_laws(scene)
         made = [
-            Form(f"by {load or 'torque'}, {law.name}", ("friction_coefficient",), _columns(law, load), (0.0,), (np.inf,),
+            Form(f"by {name}, {law.name}", ("friction_coefficient",), _columns(law, load), (0.0,), (np.inf,),
                  (law.parameter,), [(value,) for value in law.grid], [law.limits])
-            for load in loads
-            for law in direction_laws(scene)
+            for name, load in loads.items()
+            for law in laws
         ]  # fmt: skip
-        for law in direction_laws(scene):
+        for law in laws:
             simple = (f"by torque, {law.name}",)
             made += [
                 Form(f"by torque, driving and driven, {law.name}", ("friction_coefficient", "friction_coefficient_back"),
                      _efficiency(law), (0.0,) * 2, (np.inf,) * 2, (law.parameter,), (), [law.limits], simple),
                 Form(f"by a power of torque, {law.name}", ("friction_coefficient",), _degressive(law), (0.0,), (np.inf,),
                      (law.parameter, "power"), (), [law.limits, (0.4, 1.0)], simple, lambda shape, _: (*shape, 0.8)),
-                Form(f"by elastic torque, {law.name}", ("friction_coefficient",), _of_spring(law), (0.0,), (np.inf,),
+                Form(f"by elastic torque, {law.name}", ("friction_coefficient",), _columns(law, lambda scene: scene.spring), (0.0,), (np.inf,),
                      (law.parameter,), (), [law.limits], simple),
             ]  # fmt: skip
         return [*made, Form("inside the joint", ("strength_gain",), _inside, (0.0,), (np.inf,))]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
 
-from .base import Effect, Floats, Form, Parameter, Scene, geometric
+from .base import Columns, Effect, Floats, Form, Parameter, Scene, geometric
 
 __all__ = ["StressRelaxation"]
 
@@ -14,25 +15,14 @@ QUICK = 0.25
 """Radians of the motion's mean frequency within which a branch relaxes at least."""
 
 
-def _of_deflection(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    x = scene.signals.smooth_x
-    return np.column_stack([x - scene.signals.lowpass(x, tau) for tau in shape])
+def _relaxing(part: Callable[[Scene], Floats]) -> Columns:
+    """A branch for each time constant, which holds what of ``part`` is new."""
 
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        whole = part(scene)
+        return np.column_stack([whole - scene.signals.lowpass(whole, tau) for tau in shape])
 
-def _spectrum(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return _of_deflection(scene, (shape[0], 4.0 * shape[0], 16.0 * shape[0]))
-
-
-def _of_torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return (scene.torque - scene.signals.lowpass(scene.torque, shape[0]))[:, None]
-
-
-def _two_of_torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return np.column_stack([scene.torque - scene.signals.lowpass(scene.torque, tau) for tau in shape])
-
-
-def _two_of_spring(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return np.column_stack([scene.spring - scene.signals.lowpass(scene.spring, tau) for tau in shape])
+    return columns
 
 
 def _creep(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -40,18 +30,14 @@ def _creep(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.column_stack([-scene.signals.lowpass(scene.torque, tau) for tau in shape])
 
 
-def _creep_spectrum(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return _creep(scene, (shape[0], 4.0 * shape[0], 16.0 * shape[0]))
+def _spectrum(branches: Columns) -> Columns:
+    """Three branches whose time constants are as 1 : 4 : 16."""
+    return lambda scene, shape: branches(scene, (shape[0], 4.0 * shape[0], 16.0 * shape[0]))
 
 
-def _spectrum_of_torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    lags = [scene.signals.lowpass(scene.torque, factor * shape[0]) for factor in (1.0, 4.0, 16.0)]
-    return np.column_stack([scene.torque - lag for lag in lags])
-
-
-def _spectrum_of_spring(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    lags = [scene.signals.lowpass(scene.spring, factor * shape[0]) for factor in (1.0, 4.0, 16.0)]
-    return np.column_stack([scene.spring - lag for lag in lags])
+_of_deflection = _relaxing(lambda scene: scene.signals.smooth_x)
+_of_torque = _relaxing(lambda scene: scene.torque)
+_of_spring = _relaxing(lambda scene: scene.spring)
 
 
 class StressRelaxation(Effect):
@@ -96,21 +82,21 @@ class StressRelaxation(Effect):
             Form("from the torque down", ("share",), _creep, *free, ("time_constant",), [(t,) for t in times[::2]], [limits]),
             Form("two branches", ("stiffness", "stiffness_2"), _of_deflection, (0.0, 0.0), (np.inf, np.inf),
                  ("time_constant", "time_constant_2"), pairs, [limits, limits]),
-            Form("spectrum", ("stiffness", "stiffness_2", "stiffness_3"), _spectrum, (0.0,) * 3, (np.inf,) * 3,
+            Form("spectrum", ("stiffness", "stiffness_2", "stiffness_3"), _spectrum(_of_deflection), (0.0,) * 3, (np.inf,) * 3,
                  ("time_constant",), [(t,) for t in times[:7]], [limits]),
             Form("from the torque down, two branches", ("share", "share_2"), _creep, (0.0,) * 2, (np.inf,) * 2,
                  ("time_constant", "time_constant_2"), (), [limits, limits], ("from the torque down",),
                  lambda shape, _: (max(0.4 * shape[0], low), min(2.5 * shape[0], high))),
-            Form("from the torque down, spectrum", ("share", "share_2", "share_3"), _creep_spectrum, (0.0,) * 3, (np.inf,) * 3,
+            Form("from the torque down, spectrum", ("share", "share_2", "share_3"), _spectrum(_creep), (0.0,) * 3, (np.inf,) * 3,
                  ("time_constant",), (), [limits], ("from the torque down",), lambda shape, _: (max(0.25 * shape[0], low),)),
             *(
                 Form(name, ("share", "share_2"), law, (0.0,) * 2, (np.inf,) * 2, ("time_constant", "time_constant_2"), (),
                      [limits, limits], ("of the torque",), lambda shape, _: (max(0.4 * shape[0], low), min(2.5 * shape[0], high)))
-                for name, law in (("two branches of the torque", _two_of_torque), ("two branches of the spring", _two_of_spring))
+                for name, law in (("two branches of the torque", _of_torque), ("two branches of the spring", _of_spring))
             ),
             *(
                 Form(name, ("share", "share_2", "share_3"), law, (0.0,) * 3, (np.inf,) * 3, ("time_constant",), (), [limits],
                      ("of the torque",), lambda shape, _: (max(0.25 * shape[0], low),))
-                for name, law in (("spectrum of the torque", _spectrum_of_torque), ("spectrum of the spring", _spectrum_of_spring))
+                for name, law in (("spectrum of the torque", _spectrum(_of_torque)), ("spectrum of the spring", _spectrum(_of_spring)))
             ),
         ]  # fmt: skip
