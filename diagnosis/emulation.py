@@ -1,7 +1,7 @@
 """The simulator as the diagnosis knows it: its output, how it answers to another input, and where its parameters lead.
 
 With a saved model the answer to another input is the model's own. With only a table of outputs, an emulator is
-identified from it: elastic polynomial + stop operators and Dahl bristles (weights ≥ 0) + stops weighed by position +
+identified from it: elastic polynomial + stop operators and Dahl bristles (weights of one sign) + stops weighed by position +
 rate terms, a generalised Prandtl-Ishlinskii model. Where that is not good enough, registered models compete with it.
 
 The simulator's own parameters may be off by a few per cent. To first order that adds a combination of the emulator's
@@ -206,12 +206,20 @@ class Generalised:
         rates = self._rates()
         free = np.hstack([elastic, placed, rates])
         solution = _solve(free, stops, signals.y_sim)
+        error = _relative_error(free @ solution[: free.shape[1]] + stops @ solution[free.shape[1] :], signals.y_sim)
+        if error > GOOD_ENOUGH:
+            # What lags behind its input, as a piezo stage does, turns the other way round.
+            turned = _solve(free, -stops, signals.y_sim)
+            turned[free.shape[1] :] *= -1.0
+            other = _relative_error(free @ turned[: free.shape[1]] + stops @ turned[free.shape[1] :], signals.y_sim)
+            if other < error:
+                solution, error = turned, other
         n_elastic, n_placed = elastic.shape[1], placed.shape[1]
         self.elastic = solution[:n_elastic]
         self.placed = solution[n_elastic : n_elastic + n_placed]
         self.rates = solution[n_elastic + n_placed : free.shape[1]]
         self.weights = solution[free.shape[1] :]
-        self.error = _relative_error(free @ solution[: free.shape[1]] + stops @ self.weights, signals.y_sim)
+        self.error = error
 
     def _rates(self) -> Floats:
         return _rates(self.signals.speed, self.signals.acceleration, self.fast)
@@ -248,7 +256,9 @@ class Generalised:
         x = self.signals.x
         elastic, stops, placed = self._parts(x)
         # An element that the sparse fit left out shares its neighbours' size: its parameters are unknown, not exact.
-        weights = np.maximum(self.weights, 0.5 * np.convolve(self.weights, np.ones(3) / 3.0, mode="same"))
+        weights = np.maximum(
+            np.abs(self.weights), 0.5 * np.abs(np.convolve(self.weights, np.ones(3) / 3.0, mode="same"))
+        )
         # A spring has no torque at rest, so neither has the change of a stiffness; a preload may be off by itself.
         at_rest = np.polynomial.legendre.legvander(0.0, DEGREE)
         preload = np.full((x.size, 1), float(at_rest[0] @ self.elastic))

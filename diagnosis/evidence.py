@@ -20,7 +20,7 @@ from scipy.optimize import least_squares
 from .effects.base import INPUT, SENSOR, TORQUE, Effect, Form
 from .emulation import SimulatorScene
 
-__all__ = ["Evidence", "Hypothesis", "Term", "boxed_least_squares", "is_refitted"]
+__all__ = ["Evidence", "Hypothesis", "Term", "boxed_least_squares", "is_refitted", "trusted"]
 
 Floats = NDArray[np.float64]
 Scale = tuple[float, float]
@@ -42,9 +42,16 @@ FINEST = 0.035
 """Misfit, as a share of the gap's RMS, that counts as much as noise of that size."""
 FINE = 0.02
 """Relative error of the simulator's fine structure that is no miscalibration: no two models agree better."""
+TRUSTED = 6000.0
+"""Samples beyond which evidence does not grow."""
 ENOUGH = 2500
 """Samples on which shapes are refined."""
 ORDER = {INPUT: 0, TORQUE: 1, SENSOR: 2}
+
+
+def trusted(samples: int) -> float:
+    """How many of so many samples count: no law and no emulator is so exact that more would make evidence surer."""
+    return min(float(samples), TRUSTED)
 
 
 def is_refitted(scale: Scale) -> bool:
@@ -88,6 +95,8 @@ class Hypothesis:
     rss: float
     score: float
     by_scale: dict[Scale, float] = field(default_factory=dict)
+    beside_exact: Hypothesis | None = None
+    """The best that was found for an effect alone beside an exact simulator; its law may be another."""
 
     @property
     def names(self) -> frozenset[str]:
@@ -183,8 +192,6 @@ class Evidence:
     scene : SimulatorScene
     rows : bool array, shape (n,), optional
         Samples that count (default: all).
-    thinning : float
-        Effective over actual number of samples (serial correlation).
     fitted : bool
         Whether the simulator was fitted to data that contain what it lacks.
     """
@@ -193,17 +200,16 @@ class Evidence:
         self,
         scene: SimulatorScene,
         rows: NDArray[np.bool_] | None = None,
-        thinning: float = 1.0,
         fitted: bool = False,
     ) -> None:
         self.scene = scene
         self.fitted = fitted
         self.plausibility = FITTED if fitted else PLAUSIBILITY
         self.scales = tuple(self.plausibility)
-        self.thinning = thinning
         self.rows = np.ones(scene.torque.size, dtype=bool) if rows is None else rows
         self._whole = bool(self.rows.all())
         self.gap = scene.signals.gap[self.rows]
+        self.thinning = trusted(self.gap.size) / max(self.gap.size, 1)
         self.sigma = scene.signals.noise_floor
         if not fitted:
             # Noise far below the gap makes any misfit significant, and no two models agree that well.
@@ -229,6 +235,15 @@ class Evidence:
     def size(self) -> int:
         return self.gap.size
 
+    @property
+    def effective(self) -> float:
+        """Samples that count."""
+        return self.thinning * self.size
+
+    def is_beside_refit(self, hypothesis: Hypothesis) -> bool:
+        """Whether effects are judged beside a simulator that is off, for other reasons than that it was fitted without them."""
+        return bool(hypothesis.terms) and is_refitted(hypothesis.scale) and not self.fitted
+
     @functools.cached_property
     def _fewer(self) -> Evidence | None:
         """The same on some thousand samples spread over the recording, which are enough to place a shape; None if all are."""
@@ -237,7 +252,7 @@ class Evidence:
             return None
         rows = np.zeros_like(self.rows)
         rows[np.flatnonzero(self.rows)[::step]] = True
-        return Evidence(self.scene, rows, self.thinning, self.fitted)
+        return Evidence(self.scene, rows, self.fitted)
 
     def inside(self, columns: Floats) -> Floats:
         """Components in the simulator's tangent space, shape (m,) or (m, k)."""
@@ -254,7 +269,7 @@ class Evidence:
 
     def score(self, rss: Floats | float, scale: Scale, unknowns: int) -> Floats:
         """Logarithm of the evidence up to a constant; arrays of ``rss`` give arrays."""
-        effective = self.thinning * self.size
+        effective = self.effective
         misfit = np.maximum(np.asarray(rss) / self.size, 1e-4 * self.sigma**2) + self.inadequacy
         freedom = self.complexity(scale) - self.plausibility[scale]
         return -0.5 * effective * np.log(misfit) - freedom - 0.5 * unknowns * np.log(max(effective, 3.0))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..datasets.recording_files import DEFAULT_TIME, DEFAULT_X, write_recording
 from .diagnosis import Diagnosis
 from .emulation import SimulatorScene, emulate
-from .evidence import Evidence, Hypothesis, is_refitted
+from .evidence import Evidence, Hypothesis, is_refitted, trusted
 from .signals import Signals
 from .verdict import MISCALIBRATION, SAME_BY_EYE, TEMPERATURE
 
@@ -136,19 +136,22 @@ def margins(found: Diagnosis, time: Floats, x: Floats) -> list[float]:
 
     Not at all up to 0; beyond 1 the new recording and the old ones together would not leave the pair stated again.
     """
+    together = found.signals.x.size + x.size
+    share = trusted(together) / together
     if x.size > MOST_SAMPLES:
         # Every so-manieth sample tells as much of so long a motion.
         step = -(-x.size // MOST_SAMPLES)
-        time, x = time[::step], x[::step]
+        time, x, share = time[::step], x[::step], share * step
     y_sim = found.evidence.scene.emulator.anew(x)
     blank = Signals(time, x, y_sim, y_sim, [slice(0, x.size)], {})
     scene = SimulatorScene(blank, emulate(blank, None))
     enough = SETTLED / TEMPERATURE
-    certain = max(CLEARLY * SAME_BY_EYE * (found.signals.x.size + x.size), enough + 1.0)
+    certain = max(CLEARLY * SAME_BY_EYE * trusted(together), enough + 1.0)
     made = []
     for pair in found.ambiguous:
         orders = [(true, false) for true, false in (pair, pair[::-1]) if true != MISCALIBRATION]
-        brought = min(_brought(found, scene, true, false) for true, false in orders)
+        # Beside the first recording each sample of the new one counts as much as each of its own.
+        brought = share * min(_brought(found, scene, true, false) for true, false in orders)
         made.append((brought - enough) / (certain - enough))
     return made
 

@@ -18,6 +18,8 @@ BLOCKS_A_FOLD = 12
 """At least."""
 MARGIN = 0.1
 """Part of a block's length that is left out of the fit on either side of it, so that memory does not leak."""
+UNSEEN = 0.01
+"""Power of a column where a fit looks, over its power on the whole recording, below which the fit says nothing of it."""
 RESAMPLES = 400
 
 
@@ -75,10 +77,14 @@ def held_out(evidence: Evidence, hypothesis: Hypothesis, evaluations: int = 4) -
     parts = {name: np.zeros(n) for name in hypothesis.names}
     for kept, out in _folds(evidence, _blocks(hypothesis.signal)):
         seen = kept & evidence.rows
-        part = Evidence(evidence.scene, seen, evidence.thinning, evidence.fitted)
+        part = Evidence(evidence.scene, seen, evidence.fitted)
         fitted = part.fit(hypothesis.terms, (hypothesis.scale,))
         if evaluations:
             fitted = part.refine(fitted, evaluations, (hypothesis.scale,))
+        # What happened in the blocks held out alone cannot be known from the others: nothing is predicted of it.
+        power = np.mean(np.square(fitted.columns), axis=0)
+        unseen = np.mean(np.square(fitted.columns[seen]), axis=0) < UNSEEN * power
+        fitted.coefficients = np.where(unseen, 0.0, fitted.coefficients)
         whole = fitted.signal
         signal[out] = whole[out]
         for name in parts:

@@ -16,6 +16,8 @@ __all__ = ["Library", "search"]
 Floats = NDArray[np.float64]
 ALONE = 18
 """Laws that are refined alone, at most four of an effect."""
+EXACT = 8
+"""Laws that are also refined beside an exact simulator, at most two of an effect."""
 INHERITED = 3
 """Sets of each size whose shapes are tried in smaller sets."""
 HOPEFUL = 0.005
@@ -155,6 +157,7 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
         # Beside a model that was fitted to the joint, the largest causes are asked for; a third only bends its law.
         most = min(most, 2)
     found = [evidence.fit(())]
+    exact: dict[frozenset[str], Hypothesis] = {}
     best_of_smaller = found[0].score
     beam: list[tuple[tuple[int, ...], Sequence[Scale]]] = [((), evidence.scales)]
     for size in range(1, most + 1):
@@ -182,6 +185,12 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
             ):
                 if known is None or better.score > known[0].score:
                     known = refined[better.names] = (better, numbers)
+                _note_exact(exact, better, size)
+        if size == 1:
+            for better, numbers in _beside_exact(library):
+                if better.names not in refined or better.score > refined[better.names][0].score:
+                    refined[better.names] = (better, numbers)
+                _note_exact(exact, better, size)
         if size > 1:
             # In company only the most likely sets are worth other forms.
             for fitted, numbers in sorted(refined.values(), key=lambda item: -item[0].score)[: 4 - size]:
@@ -200,14 +209,50 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
                     refined[fitted.names] = (fitted, numbers)
         ordered = sorted(refined.values(), key=lambda item: -item[0].score)
         found += [fitted for fitted, _ in ordered]
-        if size > 1 and ordered[0][0].score - best_of_smaller < HOPEFUL * evidence.size:
+        if size > 1 and ordered[0][0].score - best_of_smaller < HOPEFUL * evidence.effective:
             break
         best_of_smaller = ordered[0][0].score
         if size < most:
             grown = [term for fitted, _ in ordered[:wide] for term in fitted.terms]
             added = iter(library.add(grown))
             beam = [(tuple(next(added) for _ in fitted.terms), _likely_scales(fitted)) for fitted, _ in ordered[:wide]]
-    return _with_shapes_of_larger(evidence, found)
+    found = _with_shapes_of_larger(evidence, found)
+    for hypothesis in found:
+        if hypothesis.names in exact:
+            hypothesis.beside_exact = evidence.fit(exact[hypothesis.names].terms, _exact(evidence))
+    return found
+
+
+def _exact(evidence: Evidence) -> tuple[Scale, ...]:
+    """The scales at which the simulator's own parameters are right."""
+    return tuple(scale for scale in evidence.scales if not is_refitted(scale))
+
+
+def _note_exact(best: dict[frozenset[str], Hypothesis], fitted: Hypothesis, size: int) -> None:
+    """Keep in ``best`` what does best beside an exact simulator, for effects alone."""
+
+    def beside(hypothesis: Hypothesis) -> float:
+        return max(score for scale, score in hypothesis.by_scale.items() if not is_refitted(scale))
+
+    if size == 1 and (fitted.names not in best or beside(fitted) > beside(best[fitted.names])):
+        best[fitted.names] = fitted
+
+
+def _beside_exact(library: Library) -> list[tuple[Hypothesis, tuple[int, ...]]]:
+    """The effects that alone do best beside an exact simulator, refined there, and the laws that start from them.
+
+    Where a law is not yet close, a refitted simulator makes up for what it leaves, and leads its shapes astray.
+    """
+    evidence, made = library.evidence, []
+    exact = _exact(evidence)
+    ranked = sorted(library.extend((), exact), key=lambda item: -item[0])
+    for _, numbers in _at_most(ranked, 2, lambda numbers: library.terms[numbers[0]].effect.id)[:EXACT]:
+        terms = [library.terms[k] for k in numbers]
+        if not terms[0].shape or evidence.fit(terms).scale in exact:
+            continue
+        fitted = evidence.refine(evidence.fit(terms, exact), 10, exact)
+        made += [(better, numbers) for better in (evidence.fit(fitted.terms), *_successors(evidence, fitted))]
+    return made
 
 
 def _with_shapes_of_larger(evidence: Evidence, found: Sequence[Hypothesis]) -> list[Hypothesis]:
@@ -274,7 +319,7 @@ def _best_sibling(evidence: Evidence, fitted: Hypothesis, k: int) -> Hypothesis 
             continue
         others.append(evidence.fit(_with_law(fitted, k, form, term.shape)))
     best = max(others, key=lambda hypothesis: hypothesis.score, default=None)
-    if best is None or best.score < fitted.score - AT_FIRST * evidence.size:
+    if best is None or best.score < fitted.score - AT_FIRST * evidence.effective:
         return None
     return evidence.refine_anyhow(best.terms, IN_COMPANY)
 
@@ -290,7 +335,7 @@ def _other_laws(library: Library, fitted: Hypothesis) -> list[Hypothesis]:
         for _, numbers in sorted(laws, reverse=True)[:LAWS]:
             other = evidence.refine_anyhow([library.terms[number] for number in numbers], IN_COMPANY)
             made.append(other)
-            if other.score > fitted.score - NEARLY * evidence.size:
+            if other.score > fitted.score - NEARLY * evidence.effective:
                 made += _successors(evidence, other)
     return made
 

@@ -26,6 +26,8 @@ COORDINATES = (
 )  # fmt: skip
 APART = 0.05
 """Radians of the motion's mean frequency between samples whose noise counts as independent."""
+SWING = 0.08
+"""Part of the reach that a turn must swing back to be one."""
 FARTHEST = 3
 """Samples; farther apart a hum would pass for noise."""
 KNOCK, KNOCK_SAMPLES, MOST_KNOCKS = 6.0, 4, 0.35
@@ -195,11 +197,16 @@ class Signals:
 
     @cached_property
     def reversals(self) -> Floats:
-        """Turns of the motion since the recording began, shape (n,)."""
+        """Turns of the motion since the recording began, shape (n,); a small dither between two of them is none."""
+        slack = np.array([0.5 * SWING * self.reach])
 
         def counted(run: slice) -> Floats:
-            way = self.direction[run]
-            return np.cumsum(np.abs(np.diff(way, prepend=way[0])) > 1.0, dtype=np.float64)
+            followed = plays(self.smooth_x[run], slack)[:, 0]
+            moved = np.sign(np.diff(followed, prepend=followed[0]))
+            at = np.flatnonzero(moved)
+            turned = np.zeros(moved.size)
+            turned[at[1:]] = moved[at[1:]] != moved[at[:-1]]
+            return np.cumsum(turned)
 
         return self.per_run(counted)
 

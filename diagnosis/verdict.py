@@ -8,10 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .adequacy import emulated, forgiven_here, left_to_noise
 from .calibration import CONFIDENCE, confidence
-from .evidence import FINE, Evidence, Hypothesis, is_refitted
+from .evidence import FINE, Evidence, Hypothesis, count_unknowns, is_refitted
 from .heldout import HeldOut, held_out, structured_power
 from .hum import hum
+from .parsimony import fewest, simplest
 from .quantisation import torque_step
 from .signals import Signals
 
@@ -42,6 +44,8 @@ COMPANY_COST = 0.02
 patched by one more, however sure the improvement."""
 BESIDE_OFF = 0.012
 """Evidence a sample that one effect must bring beside a simulator that may be off by a tenth to be more than its misfit."""
+CONSTANTS = 3.0
+"""Free constants of a usual law; one with more must bring more."""
 COINCIDENCE = 200.0
 """Logarithm of the odds against effects of 2.5 times the gap; it grows as the square beyond 1.25."""
 GAIN = "torque_gain"
@@ -62,20 +66,8 @@ NEGLIGIBLE = 0.7
 """An effect smaller than this share of the noise is no gap beyond the noise."""
 BARELY = 1.2
 """Gap over noise up to which it is not asked how much of it is closed: noise decides that."""
-NOT_NOISE = 1.2
-"""What is left over beyond the noise, as a share of it, that cannot be an error in the noise's own size."""
-KNOCK = 5.0
-"""Noise levels beyond which a sample says no more against an explanation than one at this level."""
 SAME_JOINT = 0.006
 """Neither is a gap of this share of the torque that is hardly above the noise and needs no effect."""
-WORTH = 0.04
-"""Share of the gap's energy that an effect must close beside the others."""
-WORTH_FITTED = 0.1
-"""The same beside a model that was fitted to the joint: there the largest cause is asked for."""
-INDIFFERENT = 0.1
-"""The same as a share of the noise's energy, whatever the gap."""
-CONTAINED = 0.001
-"""Share of the effect's energy within which a special case is preferred to the general effect."""
 RECALIBRATION_WORTH = 0.06
 """Share of the gap's energy that the refit must close to be called a miscalibration."""
 RECALIBRATION_SHARE = 0.15
@@ -84,10 +76,8 @@ RECALIBRATION_CLEAR = 5.0
 """The same over the noise's energy: less is what an inexact law leaves."""
 WIDENING = -0.5
 """Effects that alone would close less than this only bend the refitted simulator."""
-INEXACT = 0.3
-"""Structure that an inexact law may leave, as a share of a gap of a hundred times the noise or more."""
-INEXACT_FITTED = 0.45
-"""The same for a model fitted to recorded data, whose own law is inexact too."""
+ALMOST_ALL = 0.95
+"""Share of the gap's energy that effects close by themselves, so that the refitted simulator beside them does not matter."""
 RECALIBRATION_SHARE_POOR = 0.3
 """The same where all half cycles are alike: there the refit makes up for any law that is not quite exact."""
 
@@ -116,11 +106,6 @@ class Choice:
     """Frequency of a hum that makes up the gap, Hz; 0 otherwise."""
 
 
-def _is_beside_refit(evidence: Evidence, hypothesis: Hypothesis) -> bool:
-    """Whether effects are judged beside a simulator that is off, for other reasons than that it was fitted without them."""
-    return bool(hypothesis.terms) and is_refitted(hypothesis.scale) and not evidence.fitted
-
-
 def _prior(evidence: Evidence, hypothesis: Hypothesis, gap: float) -> float:
     """Logarithm of the prior odds; minus infinity for an effect that is only a special case of itself."""
     if not hypothesis.terms:
@@ -128,9 +113,9 @@ def _prior(evidence: Evidence, hypothesis: Hypothesis, gap: float) -> float:
     if any(term.effect.is_degenerate(hypothesis.parameters(term.effect.id)) for term in hypothesis.terms):
         return -np.inf
     # Beside a simulator that is off in many ways, an effect may always stand in for one more of them.
-    refitted = _is_beside_refit(evidence, hypothesis)
+    refitted = evidence.is_beside_refit(hypothesis)
     cost = (EFFECT_COST_REFITTED if refitted else EFFECT_COST) * len(hypothesis.terms)
-    cost += COMPANY_COST * evidence.size * (len(hypothesis.terms) - (0 if refitted else 1))
+    cost += COMPANY_COST * evidence.effective * (len(hypothesis.terms) - (0 if refitted else 1))
     cost += sum(float(np.log(term.laws)) for term in hypothesis.terms)
     if evidence.fitted:
         return -cost
@@ -151,14 +136,16 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     priors = {id(h): _prior(evidence, h, size) for h in found}
     found = [h for h in found if np.isfinite(priors[id(h)])]
     ranked = sorted(found, key=lambda h: -(h.score + priors[id(h)]))
-    best = _simplest(evidence, ranked, energy)
+    simple = simplest(evidence, ranked, energy)
+    best = fewest(evidence, ranked, simple, energy)
     blank = found[0]
 
     def is_needed(hypothesis: Hypothesis) -> bool:
-        least = IDLE if _is_too_far_off(evidence, blank) else BESIDE_OFF * evidence.size
+        pliable = max(count_unknowns(hypothesis.terms) / CONSTANTS, 1.0)
+        least = IDLE if _is_too_far_off(evidence, blank) else BESIDE_OFF * pliable * evidence.effective
         return hypothesis.score - blank.score >= least
 
-    if not best.terms and not evidence.fitted:
+    if not simple.terms and not evidence.fitted:
         best = next((h for h in ranked if len(h.terms) == 1 and is_needed(h)), best)
     refit = _judge_refit(evidence, best, energy)
     own = best.score + _prior(evidence, best, size)
@@ -199,10 +186,13 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         - (float(np.mean(np.square((after if miscalibrated else signals.gap - held.signal)[rows]))) - floor**2)
         / energy,
         "closed_alone": 1.0 - (float(np.mean(np.square((signals.gap - held.signal)[rows]))) - floor**2) / energy,
-        "in_sample_left": _left_to_noise(misfit_refit, signals, floor),
+        "in_sample_left": left_to_noise(misfit_refit, signals, floor),
     }
-    bent = _is_beside_refit(evidence, best) and not _is_clearly_there(evidence, features)
-    features["forgiven"] = _forgiven(evidence, features["gap"], bent)
+    bent = evidence.is_beside_refit(best) and not _is_clearly_there(evidence, features)
+    bent = bent and features["closed_alone"] < ALMOST_ALL
+    features["forgiven"] = float(
+        np.hypot(forgiven_here(evidence, features["gap"], bent), emulated(evidence, best, energy))
+    )
     verdict = sorted(best.names, key=lambda name: -float(np.mean(np.square(best.part(name)))))
     if miscalibrated and not expected:
         verdict.append(MISCALIBRATION)
@@ -240,18 +230,6 @@ def _one_factor(evidence: Evidence, found: Sequence[Hypothesis], energy: float) 
     return evidence.fit(gain.terms, tuple(scale for scale in gain.by_scale if not is_refitted(scale))), rest
 
 
-def _left_to_noise(left: Floats, signals: Signals, floor: float) -> float:
-    """Structure left over, relative to the noise.
-
-    It is what lasts for several samples; where the rest is far above the noise, it counts whole, for a fast hum does not
-    last and is no noise either. What knocks for a moment (flanks that meet, a stop that is hit) is cut off at what lasts.
-    """
-    left = np.clip(left, -KNOCK * floor, KNOCK * floor)
-    lasting = float(np.sqrt(max(structured_power(left, signals.runs, signals.stride), 0.0)) / floor)
-    whole = float(np.sqrt(max(float(np.mean(np.square(left))) / floor**2 - 1.0, 0.0)))
-    return max(lasting, whole if whole > NOT_NOISE else 0.0)
-
-
 def _is_nested(one: Hypothesis, other: Hypothesis) -> bool:
     """Whether one explanation is a special case of the other."""
     a, b = _simplified(one), _simplified(other)
@@ -274,7 +252,7 @@ def _weigh(
 ) -> tuple[dict[frozenset[str], float], dict[frozenset[str], float]]:
     """Probability of each set of effects, and its odds against the verdict ``best``, whose score is ``own``."""
     weights = np.exp(np.clip(tempered * (scores - scores.max()), -700.0, 0.0))
-    near = (SAME_WHERE_POOR if _is_poor(evidence.scene.signals) else SAME_BY_EYE) * evidence.size
+    near = (SAME_WHERE_POOR if _is_poor(evidence.scene.signals) else SAME_BY_EYE) * evidence.effective
     posterior: dict[frozenset[str], float] = {}
     odds: dict[frozenset[str], float] = {}
     known = {hypothesis.names: hypothesis.score for hypothesis in ranked}
@@ -282,8 +260,8 @@ def _weigh(
         posterior[hypothesis.names] = posterior.get(hypothesis.names, 0.0) + float(weight)
         against = float(np.exp(np.clip(tempered * (score - own), -700.0, 50.0)))
         rest = hypothesis.names & best.names
-        alone = BESIDE_OFF * evidence.size if is_refitted(hypothesis.scale) else IDLE
-        idle = COMPANY_COST * evidence.size if rest else alone
+        alone = BESIDE_OFF * evidence.effective if is_refitted(hypothesis.scale) else IDLE
+        idle = COMPANY_COST * evidence.effective if rest else alone
         if hypothesis.terms and hypothesis.score < known.get(rest, blank.score) + idle:
             # What stands in for the verdict here is the refitted simulator, not this effect.
             against = 0.0
@@ -372,7 +350,7 @@ def _recalibration_rivals(
     if len(best.names) == 1 and verdict == sorted(best.names):
         refitted = max((s for scale, s in blank.by_scale.items() if is_refitted(scale)), default=-np.inf)
         if _is_poor(evidence.scene.signals):
-            least = min(least, -SAME_WHERE_POOR * evidence.size)
+            least = min(least, -SAME_WHERE_POOR * evidence.effective)
         return sorted(best.names) if refitted - own > least else []
     if verdict == [MISCALIBRATION]:
         fixed = [
@@ -419,7 +397,7 @@ def _is_clearly_there(evidence: Evidence, features: dict[str, float]) -> bool:
 
     Then the simulator's errors may hide a part of it, but they do not imitate it.
     """
-    return features["effects"] == 1.0 and features["over_null"] >= NEEDED * evidence.size
+    return features["effects"] == 1.0 and features["over_null"] >= NEEDED * evidence.effective
 
 
 def _overstretched(evidence: Evidence, best: Hypothesis, features: dict[str, float]) -> bool:
@@ -428,7 +406,7 @@ def _overstretched(evidence: Evidence, best: Hypothesis, features: dict[str, flo
     It is believed where the gap is as large as such errors make, and beside an effect without which much is left.
     """
     if best.terms:
-        return best.scale == max(evidence.scales) and features["over_null"] < NEEDED * evidence.size
+        return best.scale == max(evidence.scales) and features["over_null"] < NEEDED * evidence.effective
     return _is_too_far_off(evidence, best)
 
 
@@ -437,74 +415,5 @@ def _is_too_far_off(evidence: Evidence, blank: Hypothesis) -> bool:
     largest = max(evidence.scales)
     made = 0.5 * largest[1] * float(np.std(evidence.scene.signals.y_sim))
     smaller = max(score for scale, score in blank.by_scale.items() if scale[1] < largest[1])
-    worse = blank.by_scale[largest] - smaller > CLEARLY_WORSE * evidence.size
+    worse = blank.by_scale[largest] - smaller > CLEARLY_WORSE * evidence.effective
     return blank.scale == largest and worse and float(np.std(evidence.gap)) < made
-
-
-def _forgiven(evidence: Evidence, gap: float, bent: bool) -> float:
-    """What a law may leave goes with the gap over the sensor's own noise, however coarsely the misfit is judged."""
-    finer = evidence.sigma / evidence.scene.signals.noise_floor
-    return forgiven(gap * finer, bent, evidence.fitted) / finer
-
-
-def forgiven(gap: float, refitted: bool, fitted: bool = False) -> float:
-    """Structure, over the noise, that an inexact law may leave of a gap of ``gap`` times the noise.
-
-    Beside a refitted simulator less is forgiven, for its freedom imitates most. Where the gap is far above the noise,
-    no law of a textbook comes near the noise, and its share of the gap counts.
-    """
-    if fitted:
-        return max(0.3 + 0.045 * gap, INEXACT_FITTED * gap)
-    share = INEXACT * float(np.clip(np.log(max(gap, 1.0) / 16.0) / np.log(100.0 / 16.0), 0.0, 1.0))
-    return max(0.2 + 0.042 * gap if refitted else 0.3 + 0.045 * gap, share * gap)
-
-
-def _simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) -> Hypothesis:
-    """The best hypothesis, less the effects that are not worth naming, general effects replaced by special cases.
-
-    Whether an effect alone is better than none is for the evidence to say; here only company is judged.
-    """
-    top = best = ranked[0]
-    worth = WORTH_FITTED if evidence.fitted else WORTH
-    by_names: dict[frozenset[str], Hypothesis] = {}
-    for hypothesis in ranked:
-        by_names.setdefault(hypothesis.names, hypothesis)
-
-    def beside_same_simulator(names: frozenset[str]) -> tuple[Hypothesis | None, float]:
-        known = by_names.get(names)
-        if known is None:
-            return None, np.inf
-        fitted = evidence.fit(known.terms, (top.scale,))
-        fitted.by_scale = known.by_scale
-        return fitted, (fitted.rss - top.rss) / evidence.size / energy
-
-    def is_adequate(hypothesis: Hypothesis) -> bool:
-        bent = _is_beside_refit(evidence, hypothesis)
-        left = _left_to_noise(evidence.left_over(hypothesis), evidence.scene.signals, evidence.sigma)
-        return left <= _forgiven(evidence, float(np.sqrt(energy)) / evidence.sigma, bent)
-
-    changed, explained = True, is_adequate(top)
-    while changed:
-        changed = False
-        options: list[tuple[float, Hypothesis]] = []
-        for name in best.names:
-            if len(best.names) > 1:
-                size = float(np.mean(np.square(best.part(name)))) / energy
-                smaller, loss = beside_same_simulator(best.names - {name})
-                if smaller is None:
-                    continue
-                indifferent = loss * energy < INDIFFERENT * evidence.sigma**2
-                # Beside a fitted model two effects may share one cause in any proportion.
-                little = loss < worth and (evidence.fitted or size < 3.0 * worth)
-                if indifferent or (little and (not explained or is_adequate(by_names[smaller.names]))):
-                    options.append((loss, smaller))
-            for special in next(term.effect for term in best.terms if term.effect.id == name).contains:
-                other, loss = beside_same_simulator((best.names - {name}) | {special})
-                size = float(np.mean(np.square(best.part(name)))) / energy
-                if other is not None and loss < CONTAINED * min(size, 1.0):
-                    options.append((loss, other))
-        if options:
-            best, changed = min(options, key=lambda option: option[0])[1], True
-    # What little was left out may be the simulator's: the rest is judged beside the simulator that suits it.
-    own = by_names[best.names]
-    return own if best is not top and own.score > best.score else best

@@ -14,6 +14,7 @@ from hystbench import datasets, models
 from hystbench.bench.cells import fitted_on
 from hystbench.datasets import Dataset, DatasetUnavailableError, Recording, concatenate
 from hystbench.datasets.recording_files import DEFAULT_TIME, DEFAULT_X, write_recording
+from hystbench.diagnosis.adequacy import forgiven
 from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.excitation import design_next, margins
 from hystbench.diagnosis.from_benchmark import diagnose_model, gap_signals
@@ -21,7 +22,6 @@ from hystbench.diagnosis.inputs import read_inputs
 from hystbench.diagnosis.known_causes import KNOWN_CAUSES, known_cause
 from hystbench.diagnosis.operators import clearance
 from hystbench.diagnosis.signals import Signals
-from hystbench.diagnosis.verdict import forgiven
 
 Floats = NDArray[np.float64]
 NOISE = 0.015

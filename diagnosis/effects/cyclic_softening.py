@@ -29,6 +29,10 @@ def _logarithm(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.log1p(scene.signals.travel / shape[0])
 
 
+def _logarithm_of_reversals(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return np.log1p(scene.signals.reversals / shape[0])
+
+
 def _power(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.asarray(scene.signals.travel ** shape[0])
 
@@ -65,7 +69,7 @@ class CyclicSoftening(Effect):
     summary: ClassVar[str] = "torque that falls with accumulated travel (Mullins effect, wear, damage)"
     equation: ClassVar[str] = (
         "y −= a w y_sim (or a part of it),  w = 1 − exp(−travel/L), travel/(L + travel), log(1 + travel/L), travel, "
-        "travel^p, 1 − exp(−∫|y dx|/W), the same of the losses, or 1 − exp(−reversals/N)"
+        "travel^p, 1 − exp(−∫|y dx|/W), the same of the losses, or 1 − exp(−reversals/N), log(1 + reversals/N)"
     )
     coordinate: ClassVar[str] = "travel"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -112,6 +116,7 @@ class CyclicSoftening(Effect):
                     [(0.03 * turns, 3.0 * turns)],
                 )
             )
+            laws.append(("logarithm of reversals", _logarithm_of_reversals, 1.0, ("reversals_constant",), numbers, [(0.03 * turns, 3.0 * turns)]))  # fmt: skip
         made = []
         for name, worn, most, shapes, grid, bounds in laws:
             form = Form(name, ("softening",), _lost(worn), (0.0,), (most,), shapes, grid, bounds)

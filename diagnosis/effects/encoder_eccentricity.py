@@ -10,34 +10,44 @@ from .base import INPUT, Columns, Effect, Floats, Form, Parameter, Scene, geomet
 
 __all__ = ["EncoderEccentricity"]
 
+ZEROED, SETTLED = "zero at home", "friction settled at home"
+"""What is zero at home: the encoder's error, or only the friction, which has settled there."""
 
-def _columns(harmonics: int, homed: bool = False) -> Columns:
+
+def _columns(harmonics: int, home: str = "") -> Columns:
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         x = scene.signals.x
         small = 1e-3 * scene.signals.reach
-        # An encoder that is zeroed at home does not err there.
-        angles = [k * shape[0] * x for k in range(1, harmonics + 1)]
-        waves = [wave for angle in angles for wave in (np.sin(angle), np.cos(angle) - float(homed))]
-        return np.column_stack([scene.torque_change(x + small * wave) / small for wave in waves])
+        made = []
+        for k in range(1, harmonics + 1):
+            angle = k * shape[0] * x
+            made.append(scene.torque_change(x + small * np.sin(angle)) / small)
+            change = scene.torque_change(x + small * (np.cos(angle) - float(home != ""))) / small
+            made.append(change + scene.spring_change(x + small) / small if home == SETTLED else change)
+        return np.column_stack(made)
 
     return columns
 
 
-def _of_true_angle(homed: bool = False) -> Columns:
+def _of_true_angle(home: str = "") -> Columns:
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         periods, sizes = shape[0], shape[1:]
         x = scene.signals.x
         true = x
+        at_home = sum(sizes[1::2]) if home else 0.0
         # Newton's steps for z = x + p sin(N z) + q cos(N z) + …; the slope is kept from making them leap.
         for _ in range(3):
-            error, slope = np.zeros_like(x), np.ones_like(x)
+            error, slope = np.full_like(x, -at_home), np.ones_like(x)
             for k in range(len(sizes) // 2):
                 n, p, q = (k + 1) * periods, sizes[2 * k], sizes[2 * k + 1]
                 sine, cosine = np.sin(n * true), np.cos(n * true)
-                error += p * sine + q * (cosine - float(homed))
+                error += p * sine + q * cosine
                 slope -= n * (p * cosine - q * sine)
             true = true - (true - x - error) / np.maximum(slope, 0.3)
-        return scene.torque_change(true)[:, None]
+        change = scene.torque_change(true)
+        if home == SETTLED:
+            change = change + scene.spring_change(true + at_home) - scene.spring_change(true)
+        return change[:, None]
 
     return columns
 
@@ -57,7 +67,7 @@ class EncoderEccentricity(Effect):
     title: ClassVar[str] = "encoder eccentricity"
     summary: ClassVar[str] = "periodic error of the deflection (eccentric disc, magnet or gear)"
     equation: ClassVar[str] = (
-        "x → z, z = x + p sin(N z) + q cos(N z) [+ p2 sin(2 N z) + q2 cos(2 N z)] [− q − q2: zero at home], or with x on the right for z"
+        "x → z, z = x + p sin(N z) + q cos(N z) [+ p2 sin(2 N z) + q2 cos(2 N z)] [− q − q2: zero at home, or only in what has memory], or with x on the right for z"
     )
     coordinate: ClassVar[str] = "position"
     acts_on: ClassVar[str] = INPUT
@@ -81,16 +91,17 @@ class EncoderEccentricity(Effect):
         unit = ("_unit",), (1.0,), (1.0,)
         span, size = (low, high), (-wide, wide)
         made = []
-        for homed, told in ((False, ""), (True, ", zero at home")):
+        for home in ("", ZEROED, SETTLED):
+            told = f", {home}" if home else ""
             sine = f"sine{told}"
             made += [
-                Form(sine, names[:2], _columns(1, homed), *small, ("periods",), grid, [span]),
+                Form(sine, names[:2], _columns(1, home), *small, ("periods",), grid, [span]),
                 # The error is a function of the true angle: as one of the measured angle it has harmonics.
-                Form(f"sine of the true angle{told}", unit[0], _of_true_angle(homed), *unit[1:], ("periods", *names[:2]), (),
+                Form(f"sine of the true angle{told}", unit[0], _of_true_angle(home), *unit[1:], ("periods", *names[:2]), (),
                      [span, *[size] * 2], (sine,), _from_sine),
-                Form(f"two harmonics of the true angle{told}", unit[0], _of_true_angle(homed), *unit[1:],
+                Form(f"two harmonics of the true angle{told}", unit[0], _of_true_angle(home), *unit[1:],
                      ("periods", *names), (), [span, *[size] * 4], (sine,), _from_sine_twice),
-                Form(f"two harmonics{told}", names, _columns(2, homed), (-wide,) * 4, (wide,) * 4, ("periods",), (), [span],
+                Form(f"two harmonics{told}", names, _columns(2, home), (-wide,) * 4, (wide,) * 4, ("periods",), (), [span],
                      (sine,)),
             ]  # fmt: skip
         return made

@@ -115,6 +115,6 @@ class StiffnessAsymmetry(Effect):
                 if what == "torque" and side != 0.0:
                     made.append(
                         Form(f"stiffness, {told}", ("_unit",), _stretched(side), (1.0,), (1.0,), ("extra_stretch",), (),
-                             [(-0.6, 1.5)], (sharp,), lambda shape, coefficients: (float(coefficients[0]),))
+                             [(-0.6, 1.5)], (sharp, f"elastic {sharp}"), lambda shape, coefficients: (float(coefficients[0]),))
                     )  # fmt: skip
         return made

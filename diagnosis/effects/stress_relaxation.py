@@ -25,9 +25,9 @@ def _relaxing(part: Callable[[Scene], Floats]) -> Columns:
     return columns
 
 
-def _creep(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    """The simulator knows the torque before it relaxes: what has relaxed is missing."""
-    return np.column_stack([-scene.signals.lowpass(scene.torque, tau) for tau in shape])
+def _missing(part: Callable[[Scene], Floats]) -> Columns:
+    """The simulator knows ``part`` before it relaxes: what has relaxed is missing."""
+    return lambda scene, shape: np.column_stack([-scene.signals.lowpass(part(scene), tau) for tau in shape])
 
 
 def _spectrum(branches: Columns) -> Columns:
@@ -38,6 +38,8 @@ def _spectrum(branches: Columns) -> Columns:
 _of_deflection = _relaxing(lambda scene: scene.signals.smooth_x)
 _of_torque = _relaxing(lambda scene: scene.torque)
 _of_spring = _relaxing(lambda scene: scene.spring)
+_creep = _missing(lambda scene: scene.torque)
+_creep_of_spring = _missing(lambda scene: scene.spring)
 
 
 class StressRelaxation(Effect):
@@ -47,7 +49,7 @@ class StressRelaxation(Effect):
     title: ClassVar[str] = "stress relaxation"
     summary: ClassVar[str] = "torque that decays during a hold and rises with rate (viscoelastic Maxwell branch)"
     equation: ClassVar[str] = (
-        "y += Σ k_i (x − L_i),  τ_i dL_i/dt = x − L_i   (or with y_sim, or its elastic part, in place of k x; or y −= Σ s_i L_i of y_sim)"
+        "y += Σ k_i (x − L_i),  τ_i dL_i/dt = x − L_i   (or with y_sim, or its elastic part, in place of k x; or y −= Σ s_i L_i of either)"
     )
     coordinate: ClassVar[str] = "time"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -84,11 +86,19 @@ class StressRelaxation(Effect):
                  ("time_constant", "time_constant_2"), pairs, [limits, limits]),
             Form("spectrum", ("stiffness", "stiffness_2", "stiffness_3"), _spectrum(_of_deflection), (0.0,) * 3, (np.inf,) * 3,
                  ("time_constant",), [(t,) for t in times[:7]], [limits]),
-            Form("from the torque down, two branches", ("share", "share_2"), _creep, (0.0,) * 2, (np.inf,) * 2,
-                 ("time_constant", "time_constant_2"), (), [limits, limits], ("from the torque down",),
-                 lambda shape, _: (max(0.4 * shape[0], low), min(2.5 * shape[0], high))),
-            Form("from the torque down, spectrum", ("share", "share_2", "share_3"), _spectrum(_creep), (0.0,) * 3, (np.inf,) * 3,
-                 ("time_constant",), (), [limits], ("from the torque down",), lambda shape, _: (max(0.25 * shape[0], low),)),
+            Form("from the spring down", ("share",), _creep_of_spring, *free, ("time_constant",), [(t,) for t in times[::2]],
+                 [limits]),
+            *(
+                form
+                for down, law in (("from the torque down", _creep), ("from the spring down", _creep_of_spring))
+                for form in (
+                    Form(f"{down}, two branches", ("share", "share_2"), law, (0.0,) * 2, (np.inf,) * 2,
+                         ("time_constant", "time_constant_2"), (), [limits, limits], (down,),
+                         lambda shape, _: (max(0.4 * shape[0], low), min(2.5 * shape[0], high))),
+                    Form(f"{down}, spectrum", ("share", "share_2", "share_3"), _spectrum(law), (0.0,) * 3, (np.inf,) * 3,
+                         ("time_constant",), (), [limits], (down,), lambda shape, _: (max(0.25 * shape[0], low),)),
+                )
+            ),
             *(
                 Form(name, ("share", "share_2"), law, (0.0,) * 2, (np.inf,) * 2, ("time_constant", "time_constant_2"), (),
                      [limits, limits], ("of the torque",), lambda shape, _: (max(0.4 * shape[0], low), min(2.5 * shape[0], high)))

@@ -10,6 +10,9 @@ from .base import SENSOR, Effect, Floats, Form, Parameter, Scene
 
 __all__ = ["TorqueSaturation"]
 
+UNEQUAL = ((0.95, 0.7), (0.85, 0.6), (0.7, 0.45))
+"""Limits on two sides to start from, as shares of the largest torque."""
+
 
 def _hard(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return (np.clip(scene.torque, -shape[0], shape[0]) - scene.torque)[:, None]
@@ -59,7 +62,8 @@ class TorqueSaturation(Effect):
         within = (0.2 * top, 0.99 * top)
         return [
             Form("hard", unit[0], _hard, unit[1], unit[2], ("limit",), grid, [within]),
-            Form("hard, unequal limits", unit[0], _unequal, unit[1], unit[2], ("limit", "limit_below"), (), [within] * 2,
+            Form("hard, unequal limits", unit[0], _unequal, unit[1], unit[2], ("limit", "limit_below"),
+                 [(a * top, b * top) for high, low in UNEQUAL for a, b in ((high, low), (low, high))], [within] * 2,
                  ("hard",), lambda shape, _: (shape[0], shape[0])),
             Form("hard, leaking", ("held",), _hard, (0.8,), (1.0,), ("limit",), (), [within], ("hard",)),
             Form("soft", unit[0], _soft, unit[1], unit[2], ("limit", "sharpness"),

@@ -1,0 +1,65 @@
+"""What may be left over: how much structure a law that is not quite right, or an emulator, leaves of a gap."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .effects.base import INPUT
+from .evidence import Evidence, Hypothesis
+from .heldout import structured_power
+from .signals import Signals
+
+__all__ = ["INEXACT_NEAR", "emulated", "forgiven", "forgiven_here", "left_to_noise"]
+
+Floats = NDArray[np.float64]
+INEXACT = 0.3
+"""Structure that an inexact law may leave, as a share of a gap of a hundred times the noise or more."""
+INEXACT_FITTED = 0.45
+"""The same for a model fitted to recorded data, whose own law is inexact too."""
+INEXACT_NEAR = 0.085
+"""Structure that an inexact law may leave, as a share of the gap, where that is well above the noise."""
+AT_MOST_EMULATED = 0.1
+"""Share of the gap that is left to the emulator's error at most."""
+KNOCK = 5.0
+"""Noise levels beyond which a sample says no more against an explanation than one at this level."""
+NOT_NOISE = 1.2
+"""What is left over beyond the noise, as a share of it, that cannot be an error in the noise's own size."""
+
+
+def left_to_noise(left: Floats, signals: Signals, floor: float) -> float:
+    """Structure left over, relative to the noise.
+
+    It is what lasts for several samples; where the rest is far above the noise, it counts whole, for a fast hum does not
+    last and is no noise either. What knocks for a moment (flanks that meet, a stop that is hit) is cut off at what lasts.
+    """
+    left = np.clip(left, -KNOCK * floor, KNOCK * floor)
+    lasting = float(np.sqrt(max(structured_power(left, signals.runs, signals.stride), 0.0)) / floor)
+    whole = float(np.sqrt(max(float(np.mean(np.square(left))) / floor**2 - 1.0, 0.0)))
+    return max(lasting, whole if whole > NOT_NOISE else 0.0)
+
+
+def forgiven_here(evidence: Evidence, gap: float, bent: bool) -> float:
+    """What a law may leave goes with the gap over the sensor's own noise, however coarsely the misfit is judged."""
+    finer = evidence.sigma / evidence.scene.signals.noise_floor
+    return forgiven(gap * finer, bent, evidence.fitted) / finer
+
+
+def forgiven(gap: float, refitted: bool, fitted: bool = False) -> float:
+    """Structure, over the noise, that an inexact law may leave of a gap of ``gap`` times the noise.
+
+    Beside a refitted simulator less is forgiven, for its freedom imitates most. Where the gap is far above the noise,
+    no law of a textbook comes near the noise, and its share of the gap counts.
+    """
+    if fitted:
+        return max(0.3 + 0.045 * gap, INEXACT_FITTED * gap)
+    share = INEXACT * float(np.clip(np.log(max(gap, 1.0) / 16.0) / np.log(100.0 / 16.0), 0.0, 1.0))
+    return max(0.2 + 0.042 * gap if refitted else max(0.3 + 0.045 * gap, INEXACT_NEAR * gap), share * gap)
+
+
+def emulated(evidence: Evidence, hypothesis: Hypothesis, energy: float) -> float:
+    """What the emulator's own error may leave over the noise, where effects act on what it is asked for."""
+    if all(term.effect.acts_on != INPUT for term in hypothesis.terms):
+        return 0.0
+    error = evidence.scene.emulator.error * float(np.std(evidence.scene.signals.y_sim))
+    return min(error, AT_MOST_EMULATED * float(np.sqrt(energy))) / evidence.sigma

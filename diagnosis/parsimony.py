@@ -1,0 +1,126 @@
+"""The simplest of the explanations that do: effects that are not worth naming are left out again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from .adequacy import INEXACT_NEAR, forgiven_here, left_to_noise
+from .evidence import Evidence, Hypothesis, is_refitted
+
+__all__ = ["fewest", "simplest"]
+
+WORTH = 0.04
+"""Share of the gap's energy that an effect must close beside the others."""
+WORTH_FITTED = 0.1
+"""The same beside a model that was fitted to the joint: there the largest cause is asked for."""
+INDIFFERENT = 0.1
+"""The same as a share of the noise's energy, whatever the gap."""
+CONTAINED = 0.001
+"""Share of the effect's energy within which a special case is preferred to the general effect."""
+HARDLY_WORSE = 0.02
+"""Evidence a sample that a refitted simulator must bring beside an effect to be more than that effect's own misfit."""
+WELL_ABOVE = 6.0
+"""Gap over noise from which little that is left can be told from nothing."""
+PATCHES = 0.3
+"""Evidence a sample that further effects may bring although there is nothing left for them to explain."""
+HARDLY = 0.25
+"""Share of the gap's energy below which an effect alone is not what closes it."""
+
+
+def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) -> Hypothesis:
+    """The best hypothesis, less the effects that are not worth naming, general effects replaced by special cases.
+
+    Whether an effect alone is better than none is for the evidence to say; here only company is judged.
+    """
+    top = best = ranked[0]
+    worth = WORTH_FITTED if evidence.fitted else WORTH
+    by_names: dict[frozenset[str], Hypothesis] = {}
+    for hypothesis in ranked:
+        by_names.setdefault(hypothesis.names, hypothesis)
+
+    def beside_same_simulator(names: frozenset[str]) -> tuple[Hypothesis | None, float]:
+        known = by_names.get(names)
+        if known is None:
+            return None, np.inf
+        fitted = evidence.fit(known.terms, (top.scale,))
+        fitted.by_scale = known.by_scale
+        return fitted, (fitted.rss - top.rss) / evidence.size / energy
+
+    def is_adequate(hypothesis: Hypothesis) -> bool:
+        bent = evidence.is_beside_refit(hypothesis)
+        left = left_to_noise(evidence.left_over(hypothesis), evidence.scene.signals, evidence.sigma)
+        return left <= forgiven_here(evidence, float(np.sqrt(energy)) / evidence.sigma, bent)
+
+    changed, explained = True, is_adequate(top)
+    while changed:
+        changed = False
+        options: list[tuple[float, Hypothesis]] = []
+        for name in best.names:
+            if len(best.names) > 1:
+                size = float(np.mean(np.square(best.part(name)))) / energy
+                smaller, loss = beside_same_simulator(best.names - {name})
+                if smaller is None:
+                    continue
+                indifferent = loss * energy < INDIFFERENT * evidence.sigma**2
+                # Beside a fitted model two effects may share one cause in any proportion.
+                little = loss < worth and (evidence.fitted or size < 3.0 * worth)
+                if indifferent or (little and (not explained or is_adequate(by_names[smaller.names]))):
+                    options.append((loss, smaller))
+            for special in next(term.effect for term in best.terms if term.effect.id == name).contains:
+                other, loss = beside_same_simulator((best.names - {name}) | {special})
+                size = float(np.mean(np.square(best.part(name)))) / energy
+                if other is not None and loss < CONTAINED * min(size, 1.0):
+                    options.append((loss, other))
+        if options:
+            best, changed = min(options, key=lambda option: option[0])[1], True
+    # What little was left out may be the simulator's: the rest is judged beside the simulator that suits it.
+    own = by_names[best.names]
+    return own if best is not top and own.score > best.score else best
+
+
+def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, energy: float) -> Hypothesis:
+    """The fewest effects that leave no more than an inexact law may, beside a simulator that is exact.
+
+    What is left is significant wherever the noise is low, and further effects or a refit patch it; but the gap is
+    explained.
+    """
+    if evidence.fitted or not best.terms or (len(best.terms) == 1 and not is_refitted(best.scale)):
+        return best
+    close = best.beside_exact
+    if close is not None and close.score > best.score - HARDLY_WORSE * evidence.effective:
+        return _in_place_of(best, close)
+    gap = float(np.sqrt(energy)) / evidence.sigma
+    if gap < WELL_ABOVE:
+        return best
+    allowed, least = INEXACT_NEAR * gap, best.score - PATCHES * evidence.effective
+
+    def leaves_little(hypothesis: Hypothesis) -> bool:
+        return left_to_noise(evidence.left_over(hypothesis), evidence.scene.signals, evidence.sigma) <= allowed
+
+    blank = next(h for h in ranked if not h.terms)
+    if leaves_little(blank):
+        # A simulator that is off would do.
+        alone = (
+            1.0 - (float(np.mean(np.square(evidence.gap - best.signal[evidence.rows]))) - evidence.sigma**2) / energy
+        )
+        return blank if blank.score > least and (len(best.terms) > 1 or alone < HARDLY) else best
+    exact = tuple(scale for scale in evidence.scales if not is_refitted(scale))
+    for size in range(1, len(best.terms) + 1):
+        made = []
+        for hypothesis in ranked:
+            if len(hypothesis.terms) != size or (size == len(best.terms) and hypothesis.names != best.names):
+                continue
+            beside = hypothesis.beside_exact or evidence.fit(hypothesis.terms, exact)
+            if beside.score > least and leaves_little(beside):
+                made.append(_in_place_of(hypothesis, beside))
+        if made:
+            return max(made, key=lambda h: h.score)
+    return best
+
+
+def _in_place_of(hypothesis: Hypothesis, beside: Hypothesis) -> Hypothesis:
+    """``beside``, found beside an exact simulator, with what is known of the same effects beside others."""
+    return replace(beside, by_scale={**hypothesis.by_scale, **beside.by_scale})
