@@ -26,7 +26,7 @@ from .. import models
 from ..bench.arguments import time_argument
 from ..errors import InputError
 from ..models.least_squares import blocks, reduced
-from .operators import bristle, plays
+from .operators import bristle, plays, weighed
 from .signals import Signals, differentiate
 
 __all__ = [
@@ -327,13 +327,14 @@ def predict_generalised(
     parameters: Mapping[str, Any], x: Floats, runs: Sequence[slice], speed: Floats, acceleration: Floats
 ) -> Floats:
     """Output of the built-in emulator, N·m, shape (n,), from the virgin state in each run."""
-    stops, signs = _elements(x, runs, parameters["thresholds"], parameters["lengths"])
-    u, weights = _place(x, parameters["reach"]), parameters["weights"]
-    # Summed as they come: the columns that an identification needs are never made.
+    u, weights = _place(x, parameters["reach"]), np.asarray(parameters["weights"])
+    thresholds, lengths = np.asarray(parameters["thresholds"]), np.asarray(parameters["lengths"])
+    placed = np.zeros((PLACES, thresholds.size))
+    placed[:, 2::2] = np.reshape(parameters["placed"], (PLACES, -1))
+    stops, signs = weights[: thresholds.size], weights[thresholds.size :]
     y = np.polynomial.legendre.legval(u, parameters["elastic"])
-    y += stops @ weights[: stops.shape[1]] + signs @ weights[stops.shape[1] :]
-    for weight, part in zip(_weights(u), np.reshape(parameters["placed"], (PLACES, -1)), strict=True):
-        y += weight * (stops[:, 2::2] @ part)
+    # Summed as they come: the columns that an identification needs are never made.
+    y += np.concatenate([weighed(x[run], u[run], thresholds, stops, placed, lengths, signs) for run in runs])
     return np.asarray(y + _rates(speed, acceleration, float(parameters["fast"])) @ parameters["rates"])
 
 

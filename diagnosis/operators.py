@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["bristle", "clearance", "free_flight", "lowpass", "plays", "yielding"]
+__all__ = ["bristle", "clearance", "free_flight", "lowpass", "plays", "weighed", "yielding"]
 
 Floats = NDArray[np.float64]
 
@@ -29,6 +29,25 @@ def _bristle(x, length, out):
         towards = 1.0 if moved > 0.0 else -1.0
         s = towards + (s - towards) * np.exp(-abs(moved) / length)
         out[i] = s
+
+
+@njit(cache=True)
+def _weighed(x, u, thresholds, stops, placed, lengths, signs, out):
+    played, built = np.zeros(thresholds.size), np.zeros(lengths.size)
+    before = 0.0
+    for i in range(x.size):
+        total = 0.0
+        for j in range(thresholds.size):
+            played[j] = min(max(played[j], x[i] - thresholds[j]), x[i] + thresholds[j])
+            weight = stops[j] + u[i] * (placed[0, j] + u[i] * (placed[1, j] + u[i] * placed[3, j]))
+            total += (weight + abs(u[i]) * placed[2, j]) * (x[i] - played[j])
+        moved = x[i] - before
+        before = x[i]
+        towards = 1.0 if moved > 0.0 else -1.0
+        for k in range(lengths.size):
+            built[k] = towards + (built[k] - towards) * np.exp(-abs(moved) / lengths[k])
+            total += signs[k] * lengths[k] * built[k]
+        out[i] = total
 
 
 @njit(cache=True)
@@ -119,6 +138,23 @@ def plays(x: Floats, thresholds: Floats) -> Floats:
     """Play operators of half widths ``thresholds`` (N,), each from 0, over ``x`` (n,); shape (n, N)."""
     out = np.empty((x.size, thresholds.size))
     _plays(np.ascontiguousarray(x), np.ascontiguousarray(thresholds, dtype=np.float64), out)
+    return out
+
+
+def weighed(
+    x: Floats, u: Floats, thresholds: Floats, stops: Floats, placed: Floats, lengths: Floats, signs: Floats
+) -> Floats:
+    """Sum of stops and bristles from the virgin state at zero over ``x`` (n,), shape (n,).
+
+    Stop j has the half width ``thresholds`` (N,) and the weight stops + placed[0] u + placed[1] u² + placed[2] |u| +
+    placed[3] u³, ``placed`` (4, N), at the place ``u`` (n,); bristle k the length ``lengths`` (K,) and weight ``signs``.
+    """
+    out = np.empty(x.size)
+    # Sparse identification leaves most of them without weight.
+    on = (stops != 0.0) | np.any(placed != 0.0, axis=0)
+    some = signs != 0.0
+    parts = (x, u, thresholds[on], stops[on], placed[:, on], lengths[some], signs[some])
+    _weighed(*(np.ascontiguousarray(part, dtype=np.float64) for part in parts), out)
     return out
 
 

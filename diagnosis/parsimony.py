@@ -26,8 +26,6 @@ WELL_ABOVE = 6.0
 """Gap over noise from which little that is left can be told from nothing."""
 PATCHES = 0.3
 """Evidence a sample that further effects may bring although there is nothing left for them to explain."""
-HARDLY = 0.25
-"""Share of the gap's energy below which an effect alone is not what closes it."""
 
 
 def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) -> Hypothesis:
@@ -102,11 +100,8 @@ def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, e
 
     blank = next(h for h in ranked if not h.terms)
     if leaves_little(blank):
-        # A simulator that is off would do.
-        alone = (
-            1.0 - (float(np.mean(np.square(evidence.gap - best.signal[evidence.rows]))) - evidence.sigma**2) / energy
-        )
-        return blank if blank.score > least and (len(best.terms) > 1 or alone < HARDLY) else best
+        # A simulator that is off would do: it needs no effects beside it, but where there are any it may be right.
+        return blank if len(best.terms) > 1 and is_refitted(best.scale) and blank.score > least else best
     exact = tuple(scale for scale in evidence.scales if not is_refitted(scale))
     for size in range(1, len(best.terms) + 1):
         made = []
