@@ -10,7 +10,7 @@ from .evidence import Evidence, Hypothesis
 from .heldout import structured_power
 from .signals import Signals
 
-__all__ = ["INEXACT_NEAR", "emulated", "forgiven", "forgiven_here", "left_to_noise"]
+__all__ = ["ALMOST_ALL", "INEXACT_NEAR", "emulated", "forgiven", "forgiven_here", "left_to_noise"]
 
 Floats = NDArray[np.float64]
 INEXACT = 0.3
@@ -19,6 +19,8 @@ INEXACT_FITTED = 0.45
 """The same for a model fitted to recorded data, whose own law is inexact too."""
 INEXACT_NEAR = 0.085
 """Structure that an inexact law may leave, as a share of the gap, where that is well above the noise."""
+ALMOST_ALL = 0.95
+"""Share of the gap's energy that effects close by themselves, so that the refitted simulator beside them does not matter."""
 AT_MOST_EMULATED = 0.1
 """Share of the gap that is left to the emulator's error at most."""
 KNOCK = 5.0

@@ -153,8 +153,8 @@ def weighed(
     # Sparse identification leaves most of them without weight.
     on = (stops != 0.0) | np.any(placed != 0.0, axis=0)
     some = signs != 0.0
-    parts = (x, u, thresholds[on], stops[on], placed[:, on], lengths[some], signs[some])
-    _weighed(*(np.ascontiguousarray(part, dtype=np.float64) for part in parts), out)
+    parts = (x, u, thresholds[on], stops[on], placed[:, on], lengths[some], signs[some], out)
+    _weighed(*(np.ascontiguousarray(part, dtype=np.float64) for part in parts))
     return out
 
 

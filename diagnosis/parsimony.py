@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .adequacy import INEXACT_NEAR, forgiven_here, left_to_noise
+from .adequacy import ALMOST_ALL, INEXACT_NEAR, forgiven_here, left_to_noise
 from .evidence import Evidence, Hypothesis, is_refitted
 
 __all__ = ["fewest", "simplest"]
@@ -98,6 +98,11 @@ def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, e
     def leaves_little(hypothesis: Hypothesis) -> bool:
         return left_to_noise(evidence.left_over(hypothesis), evidence.scene.signals, evidence.sigma) <= allowed
 
+    def closes_almost_all(hypothesis: Hypothesis) -> bool:
+        # By itself: not by what even an exact simulator's fine structure may take.
+        left = float(np.mean(np.square(evidence.gap - hypothesis.signal[evidence.rows]))) - evidence.sigma**2
+        return left <= (1.0 - ALMOST_ALL) * energy
+
     blank = next(h for h in ranked if not h.terms)
     if leaves_little(blank):
         # A simulator that is off would do: it needs no effects beside it, but where there are any it may be right.
@@ -109,7 +114,7 @@ def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, e
             if len(hypothesis.terms) != size or (size == len(best.terms) and hypothesis.names != best.names):
                 continue
             beside = hypothesis.beside_exact or evidence.fit(hypothesis.terms, exact)
-            if beside.score > least and leaves_little(beside):
+            if beside.score > least and closes_almost_all(beside) and leaves_little(beside):
                 made.append(_in_place_of(hypothesis, beside))
         if made:
             return max(made, key=lambda h: h.score)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .adequacy import emulated, forgiven_here, left_to_noise
+from .adequacy import ALMOST_ALL, emulated, forgiven_here, left_to_noise
 from .calibration import CONFIDENCE, confidence
 from .evidence import FINE, Evidence, Hypothesis, count_unknowns, is_refitted
 from .heldout import HeldOut, held_out, structured_power
@@ -32,8 +32,8 @@ IDLE = 5.0
 be worth its company."""
 NEEDED = 0.3
 """Evidence a sample by which an effect must be needed beside a simulator that is off by a tenth."""
-DOUBT = 0.5
-"""A cause less probable than this is not named."""
+DOUBT = 0.2
+"""A cause less probable than this is not named; of those between this and a half most are right, and an honest figure is stated."""
 ALIKE = 0.25
 """Coefficient of variation of amplitudes and of mid-stroke speeds up to which half cycles are alike."""
 EFFECT_COST = 3.0
@@ -76,8 +76,6 @@ RECALIBRATION_CLEAR = 5.0
 """The same over the noise's energy: less is what an inexact law leaves."""
 WIDENING = -0.5
 """Effects that alone would close less than this only bend the refitted simulator."""
-ALMOST_ALL = 0.95
-"""Share of the gap's energy that effects close by themselves, so that the refitted simulator beside them does not matter."""
 RECALIBRATION_SHARE_POOR = 0.3
 """The same where all half cycles are alike: there the refit makes up for any law that is not quite exact."""
 
