@@ -115,12 +115,13 @@ def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, e
                 continue
             beside = hypothesis.beside_exact or evidence.fit(hypothesis.terms, exact)
             if beside.score > least and closes_almost_all(beside) and leaves_little(beside):
-                made.append(_in_place_of(hypothesis, beside))
+                made.append((beside.score, _in_place_of(hypothesis, beside)))
         if made:
-            return max(made, key=lambda h: h.score)
+            return max(made, key=lambda pair: pair[0])[1]
     return best
 
 
 def _in_place_of(hypothesis: Hypothesis, beside: Hypothesis) -> Hypothesis:
-    """``beside``, found beside an exact simulator, with what is known of the same effects beside others."""
-    return replace(beside, by_scale={**hypothesis.by_scale, **beside.by_scale})
+    """``beside``, found beside an exact simulator, with the evidence that there is for the same effects beside any."""
+    by_scale = {**hypothesis.by_scale, **beside.by_scale}
+    return replace(beside, by_scale=by_scale, score=max(hypothesis.score, beside.score))
