@@ -10,7 +10,7 @@ from .evidence import Evidence, Hypothesis
 from .heldout import structured_power
 from .signals import Signals
 
-__all__ = ["ALMOST_ALL", "INEXACT_NEAR", "emulated", "forgiven", "forgiven_here", "left_to_noise"]
+__all__ = ["ALMOST_ALL", "INEXACT_NEAR", "emulated", "forgiven", "forgiven_here", "left_by", "left_to_noise"]
 
 Floats = NDArray[np.float64]
 INEXACT = 0.3
@@ -39,6 +39,11 @@ def left_to_noise(left: Floats, signals: Signals, floor: float) -> float:
     lasting = float(np.sqrt(max(structured_power(left, signals.runs, signals.stride), 0.0)) / floor)
     whole = float(np.sqrt(max(float(np.mean(np.square(left))) / floor**2 - 1.0, 0.0)))
     return max(lasting, whole if whole > NOT_NOISE else 0.0)
+
+
+def left_by(evidence: Evidence, hypothesis: Hypothesis) -> float:
+    """Structure that a hypothesis and the simulator beside it leave, relative to the noise."""
+    return left_to_noise(evidence.left_over(hypothesis), evidence.scene.signals, evidence.sigma)
 
 
 def forgiven_here(evidence: Evidence, gap: float, bent: bool) -> float:

@@ -205,21 +205,24 @@ class Generalised:
         elastic, stops, placed = self._parts(signals.x)
         rates = self._rates()
         free = np.hstack([elastic, placed, rates])
-        solution = _solve(free, stops, signals.y_sim)
-        error = _relative_error(free @ solution[: free.shape[1]] + stops @ solution[free.shape[1] :], signals.y_sim)
-        if error > GOOD_ENOUGH:
+
+        def identified(sign: float) -> tuple[float, Floats]:
+            """Error and solution whose elements with memory have weights of one sign."""
+            found = _solve(free, sign * stops, signals.y_sim)
+            found[free.shape[1] :] *= sign
+            return _relative_error(free @ found[: free.shape[1]] + stops @ found[free.shape[1] :], signals.y_sim), found
+
+        self.error, solution = identified(1.0)
+        if self.error > GOOD_ENOUGH:
             # What lags behind its input, as a piezo stage does, turns the other way round.
-            turned = _solve(free, -stops, signals.y_sim)
-            turned[free.shape[1] :] *= -1.0
-            other = _relative_error(free @ turned[: free.shape[1]] + stops @ turned[free.shape[1] :], signals.y_sim)
-            if other < error:
-                solution, error = turned, other
+            error, turned = identified(-1.0)
+            if error < self.error:
+                self.error, solution = error, turned
         n_elastic, n_placed = elastic.shape[1], placed.shape[1]
         self.elastic = solution[:n_elastic]
         self.placed = solution[n_elastic : n_elastic + n_placed]
         self.rates = solution[n_elastic + n_placed : free.shape[1]]
         self.weights = solution[free.shape[1] :]
-        self.error = error
 
     def _rates(self) -> Floats:
         return _rates(self.signals.speed, self.signals.acceleration, self.fast)

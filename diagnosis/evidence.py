@@ -235,6 +235,11 @@ class Evidence:
     def size(self) -> int:
         return self.gap.size
 
+    @functools.cached_property
+    def exact(self) -> tuple[Scale, ...]:
+        """The scales at which the simulator's own parameters are right."""
+        return tuple(scale for scale in self.scales if not is_refitted(scale))
+
     @property
     def effective(self) -> float:
         """Samples that count."""
@@ -381,9 +386,8 @@ class Evidence:
         """
         start = self.fit(terms)
         best = self.refine(start, evaluations)
-        exact = [scale for scale in self.scales if not is_refitted(scale)]
-        if start.scale not in exact and any(term.shape for term in start.terms):
-            beside = max(exact, key=lambda scale: start.by_scale[scale])
+        if start.scale not in self.exact and any(term.shape for term in start.terms):
+            beside = max(self.exact, key=lambda scale: start.by_scale[scale])
             found = self.fit(self.refine(self.fit(terms, (beside,)), evaluations, (beside,)).terms)
             best = max(best, found, key=lambda hypothesis: hypothesis.score)
         return best

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .adequacy import ALMOST_ALL, INEXACT_NEAR, forgiven_here, left_to_noise
+from .adequacy import ALMOST_ALL, INEXACT_NEAR, forgiven_here, left_by
 from .evidence import Evidence, Hypothesis, is_refitted
 
 __all__ = ["fewest", "simplest"]
@@ -49,8 +49,7 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
 
     def is_adequate(hypothesis: Hypothesis) -> bool:
         bent = evidence.is_beside_refit(hypothesis)
-        left = left_to_noise(evidence.left_over(hypothesis), evidence.scene.signals, evidence.sigma)
-        return left <= forgiven_here(evidence, float(np.sqrt(energy)) / evidence.sigma, bent)
+        return left_by(evidence, hypothesis) <= forgiven_here(evidence, float(np.sqrt(energy)) / evidence.sigma, bent)
 
     changed, explained = True, is_adequate(top)
     while changed:
@@ -96,7 +95,7 @@ def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, e
     allowed, least = INEXACT_NEAR * gap, best.score - PATCHES * evidence.effective
 
     def leaves_little(hypothesis: Hypothesis) -> bool:
-        return left_to_noise(evidence.left_over(hypothesis), evidence.scene.signals, evidence.sigma) <= allowed
+        return left_by(evidence, hypothesis) <= allowed
 
     def closes_almost_all(hypothesis: Hypothesis) -> bool:
         # By itself: not by what even an exact simulator's fine structure may take.
@@ -107,13 +106,12 @@ def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, e
     if leaves_little(blank):
         # A simulator that is off would do: it needs no effects beside it, but where there are any it may be right.
         return blank if len(best.terms) > 1 and is_refitted(best.scale) and blank.score > least else best
-    exact = tuple(scale for scale in evidence.scales if not is_refitted(scale))
     for size in range(1, len(best.terms) + 1):
         made = []
         for hypothesis in ranked:
             if len(hypothesis.terms) != size or (size == len(best.terms) and hypothesis.names != best.names):
                 continue
-            beside = hypothesis.beside_exact or evidence.fit(hypothesis.terms, exact)
+            beside = hypothesis.beside_exact or evidence.fit(hypothesis.terms, evidence.exact)
             if beside.score > least and closes_almost_all(beside) and leaves_little(beside):
                 made.append((beside.score, _in_place_of(hypothesis, beside)))
         if made:

@@ -178,19 +178,17 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
         for _, numbers in ranked[:count]:
             # Sets grow from refined shapes: these need fewer steps.
             fitted = evidence.refine_anyhow([library.terms[k] for k in numbers], 10 if size == 1 else IN_COMPANY)
-            known = refined.get(fitted.names)
             for better in (
                 fitted,
                 *((*_successors(evidence, fitted), *_siblings(evidence, fitted)) if size == 1 else ()),
             ):
-                if known is None or better.score > known[0].score:
-                    known = refined[better.names] = (better, numbers)
-                _note_exact(exact, better, size)
+                _keep(refined, better, numbers)
+                if size == 1:
+                    _note_exact(exact, better)
         if size == 1:
             for better, numbers in _beside_exact(library):
-                if better.names not in refined or better.score > refined[better.names][0].score:
-                    refined[better.names] = (better, numbers)
-                _note_exact(exact, better, size)
+                _keep(refined, better, numbers)
+                _note_exact(exact, better)
         if size > 1:
             # In company only the most likely sets are worth other forms.
             for fitted, numbers in sorted(refined.values(), key=lambda item: -item[0].score)[: 4 - size]:
@@ -199,14 +197,12 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
                     *_siblings(evidence, fitted),
                     *_other_laws(library, fitted),
                 ):
-                    if better.score > refined[better.names][0].score:
-                        refined[better.names] = (better, numbers)
+                    _keep(refined, better, numbers)
         if size == 1:
             # Every effect is reported on, also those that are far from the best.
             for _, numbers in ranked[count:]:
                 fitted = evidence.fit([library.terms[k] for k in numbers])
-                if fitted.names not in refined or fitted.score > refined[fitted.names][0].score:
-                    refined[fitted.names] = (fitted, numbers)
+                _keep(refined, fitted, numbers)
         ordered = sorted(refined.values(), key=lambda item: -item[0].score)
         found += [fitted for fitted, _ in ordered]
         if size > 1 and ordered[0][0].score - best_of_smaller < HOPEFUL * evidence.effective:
@@ -219,22 +215,25 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
     found = _with_shapes_of_larger(evidence, found)
     for hypothesis in found:
         if hypothesis.names in exact:
-            hypothesis.beside_exact = evidence.fit(exact[hypothesis.names].terms, _exact(evidence))
+            hypothesis.beside_exact = evidence.fit(exact[hypothesis.names].terms, evidence.exact)
     return found
 
 
-def _exact(evidence: Evidence) -> tuple[Scale, ...]:
-    """The scales at which the simulator's own parameters are right."""
-    return tuple(scale for scale in evidence.scales if not is_refitted(scale))
+def _keep(
+    best: dict[frozenset[str], tuple[Hypothesis, tuple[int, ...]]], fitted: Hypothesis, numbers: tuple[int, ...]
+) -> None:
+    """Keep in ``best`` what does best of each set of effects, with the terms it started from."""
+    if fitted.names not in best or fitted.score > best[fitted.names][0].score:
+        best[fitted.names] = (fitted, numbers)
 
 
-def _note_exact(best: dict[frozenset[str], Hypothesis], fitted: Hypothesis, size: int) -> None:
+def _note_exact(best: dict[frozenset[str], Hypothesis], fitted: Hypothesis) -> None:
     """Keep in ``best`` what does best beside an exact simulator, for effects alone."""
 
     def beside(hypothesis: Hypothesis) -> float:
         return max(score for scale, score in hypothesis.by_scale.items() if not is_refitted(scale))
 
-    if size == 1 and (fitted.names not in best or beside(fitted) > beside(best[fitted.names])):
+    if fitted.names not in best or beside(fitted) > beside(best[fitted.names]):
         best[fitted.names] = fitted
 
 
@@ -244,7 +243,7 @@ def _beside_exact(library: Library) -> list[tuple[Hypothesis, tuple[int, ...]]]:
     Where a law is not yet close, a refitted simulator makes up for what it leaves, and leads its shapes astray.
     """
     evidence, made = library.evidence, []
-    exact = _exact(evidence)
+    exact = evidence.exact
     ranked = sorted(library.extend((), exact), key=lambda item: -item[0])
     for _, numbers in _at_most(ranked, 2, lambda numbers: library.terms[numbers[0]].effect.id)[:EXACT]:
         terms = [library.terms[k] for k in numbers]

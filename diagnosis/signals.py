@@ -198,15 +198,10 @@ class Signals:
     @cached_property
     def reversals(self) -> Floats:
         """Turns of the motion since the recording began, shape (n,); a small dither between two of them is none."""
-        slack = np.array([0.5 * SWING * self.reach])
 
         def counted(run: slice) -> Floats:
-            followed = plays(self.smooth_x[run], slack)[:, 0]
-            moved = np.sign(np.diff(followed, prepend=followed[0]))
-            at = np.flatnonzero(moved)
-            turned = np.zeros(moved.size)
-            turned[at[1:]] = moved[at[1:]] != moved[at[:-1]]
-            return np.cumsum(turned)
+            way = directions(self.smooth_x[run], SWING * self.reach)
+            return np.cumsum(np.abs(np.diff(way, prepend=way[0])) > 1, dtype=np.float64)
 
         return self.per_run(counted)
 

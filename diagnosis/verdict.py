@@ -186,8 +186,11 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         "closed_alone": 1.0 - (float(np.mean(np.square((signals.gap - held.signal)[rows]))) - floor**2) / energy,
         "in_sample_left": left_to_noise(misfit_refit, signals, floor),
     }
-    bent = evidence.is_beside_refit(best) and not _is_clearly_there(evidence, features)
-    bent = bent and features["closed_alone"] < ALMOST_ALL
+    bent = (
+        evidence.is_beside_refit(best)
+        and not _is_clearly_there(evidence, features)
+        and features["closed_alone"] < ALMOST_ALL
+    )
     features["forgiven"] = float(
         np.hypot(forgiven_here(evidence, features["gap"], bent), emulated(evidence, best, energy))
     )
@@ -225,7 +228,7 @@ def _one_factor(evidence: Evidence, found: Sequence[Hypothesis], energy: float) 
         return None, 1.0
     alone = evidence.fit(gain.terms, ((0.0, 0.0),))
     rest = (float(np.mean(np.square(evidence.left_over(alone)))) - evidence.sigma**2) / energy
-    return evidence.fit(gain.terms, tuple(scale for scale in gain.by_scale if not is_refitted(scale))), rest
+    return evidence.fit(gain.terms, evidence.exact), rest
 
 
 def _is_nested(one: Hypothesis, other: Hypothesis) -> bool:
@@ -287,7 +290,7 @@ class _Refit:
 def _judge_refit(evidence: Evidence, best: Hypothesis, energy: float) -> _Refit:
     """Whether the simulator's bulk parameters are off: does their refit close more than fine structure alone does?"""
     signals, floor = evidence.scene.signals, evidence.sigma
-    fixed = evidence.fit(best.terms, tuple(scale for scale in best.by_scale if not is_refitted(scale)))
+    fixed = evidence.fit(best.terms, evidence.exact)
     recalibration = evidence.absorbed(evidence.gap - best.signal[evidence.rows], best.scale)
     left = evidence.left_over(best)
     gain = float(np.mean(np.square(evidence.left_over(fixed))) - np.mean(np.square(left))) / energy

@@ -25,12 +25,17 @@ def _hyperbolic(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.asarray(travel / (shape[0] + travel))
 
 
-def _logarithm(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return np.log1p(scene.signals.travel / shape[0])
+def _travel(scene: Scene) -> Floats:
+    return scene.signals.travel
 
 
-def _logarithm_of_reversals(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return np.log1p(scene.signals.reversals / shape[0])
+def _reversals(scene: Scene) -> Floats:
+    return scene.signals.reversals
+
+
+def _logarithm(used: Callable[[Scene], Floats]) -> Worn:
+    """Wear that slows down but does not end: log(1 + ``used``/constant)."""
+    return lambda scene, shape: np.log1p(used(scene) / shape[0])
 
 
 def _power(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -93,9 +98,9 @@ class CyclicSoftening(Effect):
         limits = [(0.03 * total, 3.0 * total)]
         laws: list[tuple[str, Worn, float, Sequence[str], Sequence[tuple[float, ...]], Sequence[tuple[float, float]]]] = [
             ("linear", _linear, 1.0 / max(total, 1e-300), (), [()], []),
-            ("exponential", _exponential(lambda scene: scene.signals.travel), 1.0, ("travel_constant",), lengths, limits),
+            ("exponential", _exponential(_travel), 1.0, ("travel_constant",), lengths, limits),
             ("hyperbolic", _hyperbolic, 1.0, ("travel_constant",), lengths, limits),
-            ("logarithm", _logarithm, 1.0, ("travel_constant",), lengths[1::2], limits),
+            ("logarithm", _logarithm(_travel), 1.0, ("travel_constant",), lengths[1::2], limits),
             ("power of travel", _power, np.inf, ("power",), [(0.5,), (0.75,)], [(0.3, 0.95)]),
             ("by work", _exponential(_work), 1.0, ("work_constant",), [(share * work,) for share in (0.1, 0.4, 1.5)],
              [(0.03 * work, 3.0 * work)]),
@@ -106,17 +111,11 @@ class CyclicSoftening(Effect):
                          [(0.03 * losses, 5.0 * losses)]))  # fmt: skip
         if turns >= FEWEST:
             numbers = [(share * turns,) for share in (0.1, 0.3, 1.0)]
-            laws.append(
-                (
-                    "by reversals",
-                    _exponential(lambda scene: scene.signals.reversals),
-                    1.0,
-                    ("reversals_constant",),
-                    numbers,
-                    [(0.03 * turns, 3.0 * turns)],
-                )
-            )
-            laws.append(("logarithm of reversals", _logarithm_of_reversals, 1.0, ("reversals_constant",), numbers, [(0.03 * turns, 3.0 * turns)]))  # fmt: skip
+            ends = [(0.03 * turns, 3.0 * turns)]
+            laws += [
+                ("by reversals", _exponential(_reversals), 1.0, ("reversals_constant",), numbers, ends),
+                ("logarithm of reversals", _logarithm(_reversals), 1.0, ("reversals_constant",), numbers, ends),
+            ]
         made = []
         for name, worn, most, shapes, grid, bounds in laws:
             form = Form(name, ("softening",), _lost(worn), (0.0,), (most,), shapes, grid, bounds)

@@ -18,12 +18,11 @@ def _columns(harmonics: int, home: str = "") -> Columns:
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         x = scene.signals.x
         small = 1e-3 * scene.signals.reach
-        made = []
+        made, sprung = [], scene.spring_change(x + small) / small if home == SETTLED else 0.0
         for k in range(1, harmonics + 1):
             angle = k * shape[0] * x
             made.append(scene.torque_change(x + small * np.sin(angle)) / small)
-            change = scene.torque_change(x + small * (np.cos(angle) - float(home != ""))) / small
-            made.append(change + scene.spring_change(x + small) / small if home == SETTLED else change)
+            made.append(scene.torque_change(x + small * (np.cos(angle) - float(home != ""))) / small + sprung)
         return np.column_stack(made)
 
     return columns
