@@ -15,7 +15,8 @@ from ..bench.arguments import time_argument
 from ..errors import InputError
 from ..models.base import HysteresisModel, Run, parameter_array, parameter_number
 from .diagnosis import Diagnosis
-from .emulation import Emulator, Generalised, SimulatorScene, predict_generalised
+from .elements import KINDS, Motion
+from .emulation import Emulator, Generalised, SimulatorScene, motion_of, predict_generalised
 from .evidence import Hypothesis, Term, effect_columns
 from .signals import Signals
 from .verdict import MISCALIBRATION, UNKNOWN
@@ -111,9 +112,9 @@ class CorrectedSimulator(HysteresisModel):
 
         base = self.parameters_["base"]
         if base["model"] == "generalised":
-            inner = {name: np.asarray(value) for name, value in base["parameters"].items()}
+            inner = base["parameters"]
             self._split = inner
-            self._base = lambda x: predict_generalised(inner, x, [slice(0, x.size)], *self._derivatives(x))
+            self._base = lambda x: predict_generalised(inner, self._motion(x))
         else:
             model = models.get(base["model"]).from_parameters(**base["parameters"])
             interval = self.parameters_["interval"]
@@ -123,11 +124,10 @@ class CorrectedSimulator(HysteresisModel):
             )
         self._effects = [(registry.get(entry["effect"])(), entry) for entry in self.parameters_["effects"]]
 
-    def _derivatives(self, x: Floats) -> tuple[Floats, Floats]:
-        """Speed and acceleration from samples up to each one."""
+    def _motion(self, x: Floats) -> Motion:
+        """The motion with speed and acceleration from samples up to each one."""
         time = self.parameters_["interval"] * np.arange(x.size)
-        causal = _CausalSignals(time, x, x, x, [slice(0, x.size)], {})
-        return causal.speed, causal.acceleration
+        return motion_of(_CausalSignals(time, x, x, x, [slice(0, x.size)], {}))
 
     def _predict_run(self, x: Floats) -> Floats:
         y = self._base(x)
@@ -157,7 +157,22 @@ def _checked_emulator(given: Any) -> dict[str, Any]:
     if missing:
         raise InputError(f"parameter base lacks {', '.join(missing)}")
     arrays = {name: parameter_array(name, given[name], (None,)).tolist() for name in ARRAYS}
-    return arrays | {name: parameter_number(name, given[name]) for name in NUMBERS}
+    numbers = {name: parameter_number(name, given[name]) for name in NUMBERS}
+    return arrays | numbers | {"further": _checked_further(given.get("further", {}))}
+
+
+def _checked_further(given: Any) -> dict[str, Any]:
+    """Further elements of the built-in emulator; files of earlier versions have none."""
+    if not isinstance(given, Mapping):
+        raise InputError("parameter further must hold elements by kind")
+    checked = {}
+    for kind, elements in given.items():
+        if kind not in KINDS or not isinstance(elements, Mapping) or set(elements) != {"sizes", "weights"}:
+            raise InputError(f"parameter further: {kind!r} must be one of {', '.join(KINDS)}, with sizes and weights")
+        sizes = parameter_array("sizes", elements["sizes"], (None, KINDS[kind].width))
+        weights = parameter_array("weights", elements["weights"], (sizes.shape[0],))
+        checked[kind] = {"sizes": sizes.tolist(), "weights": weights.tolist()}
+    return checked
 
 
 def _plain(value: Any) -> Any:

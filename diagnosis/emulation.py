@@ -20,13 +20,25 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import nnls
 
 from .. import models
 from ..bench.arguments import time_argument
 from ..errors import InputError
-from ..models.least_squares import blocks, reduced
+from .elements import (
+    ELASTIC,
+    KINDS,
+    KINKS,
+    MEMORY,
+    Extent,
+    Motion,
+    kinks_moved,
+    stronger_of,
+    tangents,
+    torque_of,
+    uncancelled,
+)
 from .operators import bristle, plays, weighed
+from .selection import Selection, solve, spread, triangle
 from .signals import Signals, differentiate
 
 __all__ = [
@@ -35,15 +47,21 @@ __all__ = [
     "SimulatorScene",
     "answers_of",
     "emulate",
+    "motion_of",
     "predict_generalised",
     "spring_of",
     "strength_of",
 ]
 
 Floats = NDArray[np.float64]
-ELEMENTS = 14
+ELEMENTS, FINER = 14, 40
+"""Stops; the finer ones contain the others."""
+STOPS = "stops"
 BRISTLES = 5
-BIAS = 1e-5
+PLACINGS = 4
+"""Steps in which kinks are moved to their places."""
+EMULATED = 0.002
+"""Error, as a share of the output, from which further elements are looked for."""
 PLACES = 4
 """Ways in which an element's torque may depend on where it is."""
 STEEPNESS = (0.02, 0.08, 0.3)
@@ -120,7 +138,7 @@ class SimulatorScene:
     @property
     def strength(self) -> Floats:
         """Change of that part for a relative change of its strength by one at the same stiffness, N·m, shape (n,)."""
-        return self._once("strength", lambda: strength_of(self.emulator.split, self.signals.x, self.signals.runs))
+        return self._once("strength", lambda: strength_of(self.emulator.split, motion_of(self.signals)))
 
     def _once(self, name: str, make: Callable[[], Floats]) -> Floats:
         if name not in self._lasting:
@@ -151,7 +169,7 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
     if model is not None:
         return _of_model(model, signals, *own.tangent(), own.parameters())
     best = Emulator(
-        "generalised Prandtl-Ishlinskii",
+        " with ".join(["generalised Prandtl-Ishlinskii", *([", ".join(own.further)] if own.further else [])]),
         own.error,
         own.predict,
         own.anew,
@@ -194,48 +212,104 @@ def _relative_error(predicted: Floats, wanted: Floats) -> float:
 
 
 class Generalised:
-    """Elastic polynomial, stop operators and rate terms, identified by non-negative least squares."""
+    """Elastic polynomial, stop operators, rate terms and further elements, identified by non-negative least squares."""
 
     def __init__(self, signals: Signals) -> None:
         self.signals = signals
         self.reach = max(float(np.max(np.abs(signals.x))), 1e-300)
-        self.thresholds = np.geomspace(0.004, 0.8, ELEMENTS) * self.reach
         self.lengths = np.geomspace(0.01, 0.4, BRISTLES) * self.reach
         self.fast = max(float(np.std(signals.speed)), 1e-300)
-        elastic, stops, placed = self._parts(signals.x)
-        rates = self._rates()
-        free = np.hstack([elastic, placed, rates])
-
-        def identified(sign: float) -> tuple[float, Floats]:
-            """Error and solution whose elements with memory have weights of one sign."""
-            found = _solve(free, sign * stops, signals.y_sim)
-            found[free.shape[1] :] *= sign
-            return _relative_error(free @ found[: free.shape[1]] + stops @ found[free.shape[1] :], signals.y_sim), found
-
-        self.error, solution = identified(1.0)
+        self.motion = motion_of(signals)
+        # Weights of one sign; what lags behind its input, as a piezo stage does, turns the other way round.
+        self._identify(1.0, ELEMENTS, {})
         if self.error > GOOD_ENOUGH:
-            # What lags behind its input, as a piezo stage does, turns the other way round.
-            error, turned = identified(-1.0)
-            if error < self.error:
-                self.error, solution = error, turned
-        n_elastic, n_placed = elastic.shape[1], placed.shape[1]
-        self.elastic = solution[:n_elastic]
-        self.placed = solution[n_elastic : n_elastic + n_placed]
-        self.rates = solution[n_elastic + n_placed : free.shape[1]]
-        self.weights = solution[free.shape[1] :]
+            first = vars(self).copy()
+            self._identify(-1.0, ELEMENTS, {})
+            if self.error >= first["error"]:
+                vars(self).update(first)
+        if self.error > EMULATED:
+            elements, further = self._enlarged()
+            if elements > ELEMENTS or further:
+                self._identify(self.sign, elements, further)
+            for _ in range(PLACINGS if KINKS in self.further else 0):
+                further[KINKS] = self._placed_kinks()
+                self._identify(self.sign, elements, further)
+
+    def _identify(self, sign: float, elements: int, further: Mapping[str, Floats]) -> None:
+        """Weights of all elements, of which those with memory have one sign."""
+        signals = self.signals
+        self.sign = sign
+        self.thresholds = _thresholds(self.reach, elements)
+        elastic, stops, placed = self._parts(signals.x, self.thresholds)
+        made = {name: KINDS[name].columns(self.motion, sizes) for name, sizes in further.items()}
+        free = {"elastic": elastic, "placed": placed, "rates": self._rates()}
+        free |= {name: made[name] for name in made if not KINDS[name].one_sign}
+        bounded = {STOPS: sign * stops} | {name: sign * made[name] for name in made if KINDS[name].one_sign}
+        columns = np.hstack([*free.values(), *bounded.values()])
+        solution = solve(triangle(columns, signals.y_sim), sum(part.shape[1] for part in free.values()), signals.x.size)
+        self.error = _relative_error(columns @ solution, signals.y_sim)
+        edges = np.cumsum([0, *(part.shape[1] for part in (*free.values(), *bounded.values()))]).tolist()
+        found = {
+            name: solution[a:b] * (sign if name in bounded else 1.0)
+            for name, (a, b) in zip([*free, *bounded], itertools.pairwise(edges), strict=True)
+        }
+        self.elastic, self.placed, self.rates, self.weights = (
+            found.pop(name) for name in ("elastic", "placed", "rates", STOPS)
+        )
+        self.further = {
+            name: {"sizes": further[name][weights != 0.0], "weights": weights[weights != 0.0]}
+            for name, weights in found.items()
+            if np.any(weights)
+        }
+
+    def _enlarged(self) -> tuple[int, dict[str, Floats]]:
+        """How many stops, and the sizes of which further elements, are needed."""
+        signals = self.signals
+        elastic, stops, placed = self._parts(signals.x, _thresholds(self.reach, FINER))
+        duration = max(float(signals.time[run][-1] - signals.time[run][0]) for run in signals.runs)
+        extent = Extent(self.reach, self.fast, signals.interval, duration)
+        sizes = {name: kind.sizes(extent) for name, kind in KINDS.items()}
+        some = spread(signals.x.size)
+        elements = {STOPS: self.sign * stops[some], "others": np.hstack([elastic, placed, self._rates()])[some]} | {
+            name: (self.sign if kind.one_sign else 1.0) * kind.columns(self.motion, sizes[name])[some]
+            for name, kind in KINDS.items()
+        }
+        of_one_sign = [STOPS, *(name for name, kind in KINDS.items() if kind.one_sign)]
+        selection = Selection(elements, signals.y_sim[some], of_one_sign)
+        every = (FINER - 1) // (ELEMENTS - 1)
+        few = np.concatenate([np.arange(0, FINER, every), np.arange(FINER, stops.shape[1])])
+        base = {STOPS: selection.places[STOPS][few], "others": selection.places["others"]}
+        chosen = selection.grow(base, [STOPS, *KINDS], [KINKS])
+        finer = chosen.pop(STOPS).size > few.size
+        del chosen["others"]
+        return FINER if finer else ELEMENTS, {
+            name: sizes[name][at - selection.places[name][0]] for name, at in chosen.items()
+        }
+
+    def _placed_kinks(self) -> Floats:
+        """Sizes of the kinks, moved to where they leave least, by one step of a Gauss-Newton method."""
+        sizes, weights = self.further[KINKS]["sizes"], self.further[KINKS]["weights"]
+        moved = kinks_moved(self.motion, sizes, weights)
+        left = self.signals.y_sim - self.predict(self.signals.x)
+        kinks = KINDS[KINKS].columns(self.motion, sizes)
+        elastic, _, _ = self._parts(self.signals.x, self.thresholds)
+        step = np.linalg.lstsq(np.hstack([moved, kinks, elastic]), left, rcond=1e-10)[0][: weights.size]
+        most = 0.04 * self.reach
+        return np.clip(sizes + np.clip(step, -most, most)[:, None], -self.reach, self.reach)
 
     def _rates(self) -> Floats:
         return _rates(self.signals.speed, self.signals.acceleration, self.fast)
 
-    def parameters(self) -> dict[str, Floats | float]:
+    def parameters(self) -> dict[str, Any]:
         """All that :func:`predict_generalised` needs."""
         return {
             "reach": self.reach, "thresholds": self.thresholds, "lengths": self.lengths, "elastic": self.elastic,
             "placed": self.placed, "weights": self.weights, "rates": self.rates, "fast": self.fast,
+            "further": self.further,
         }  # fmt: skip
 
-    def _parts(self, x: Floats) -> tuple[Floats, Floats, Floats]:
-        return _parts(x, self.signals.runs, self.reach, self.thresholds, self.lengths)
+    def _parts(self, x: Floats, thresholds: Floats) -> tuple[Floats, Floats, Floats]:
+        return _parts(x, self.signals.runs, self.reach, thresholds, self.lengths)
 
     def predict(self, x: Floats) -> Floats:
         signals = self.signals
@@ -246,49 +320,66 @@ class Generalised:
             added = signals.per_run(lambda run: np.gradient(change[run], signals.time[run]))
             speed = speed + added
             acceleration = acceleration + signals.per_run(lambda run: np.gradient(added[run], signals.time[run]))
-        return predict_generalised(self.parameters(), x, signals.runs, speed, acceleration)
+        return predict_generalised(self.parameters(), Motion(signals.time, x, speed, acceleration, signals.runs))
 
     def anew(self, x: Floats) -> Floats:
         """Output over one new motion, sampled as the recordings are."""
         time = self.signals.interval * np.arange(x.size, dtype=np.float64)
         _, speed, acceleration = differentiate(time, x)
-        return predict_generalised(self.parameters(), x, [slice(0, x.size)], speed, acceleration)
+        return predict_generalised(self.parameters(), Motion(time, x, speed, acceleration, [slice(0, x.size)]))
 
     def tangent(self) -> tuple[Floats, Floats]:
         """Columns (n, m) of structure and bulk, each the change for a relative error of one of some parameter."""
         x = self.signals.x
-        elastic, stops, placed = self._parts(x)
-        # An element that the sparse fit left out shares its neighbours' size: its parameters are unknown, not exact.
-        weights = np.maximum(
-            np.abs(self.weights), 0.5 * np.abs(np.convolve(self.weights, np.ones(3) / 3.0, mode="same"))
-        )
+        elastic, stops, placed = self._parts(x, self.thresholds)
         # A spring has no torque at rest, so neither has the change of a stiffness; a preload may be off by itself.
         at_rest = np.polynomial.legendre.legvander(0.0, DEGREE)
         preload = np.full((x.size, 1), float(at_rest[0] @ self.elastic))
         sprung = elastic[:, 1:] - at_rest[:, 1:]
         curve = sprung * self.elastic[1:]
         odd, even = curve[:, ::2].sum(axis=1), curve[:, 1::2].sum(axis=1)
-        width = stops @ self.weights + placed @ self.placed
+        width = stops @ self.weights + placed @ self.placed + torque_of(self.further, self.motion, MEMORY)
         size_odd, size_even = float(np.std(odd)), float(np.std(even))
         unit = sprung / np.maximum(np.std(sprung, axis=0), 1e-300)
         shapes = unit * np.array([size_odd if k % 2 == 0 else size_even for k in range(DEGREE)]) * 0.4
         small = 1e-3
         stretched = (self.predict((1.0 + small) * x) - self.predict((1.0 - small) * x)) / (2.0 * small)
         stronger = _stronger(x, self.signals.runs, self.thresholds, self.lengths)
-        structure = np.hstack([stops * weights, stronger * weights])
+        fine, coarse = tangents(self.further, self.motion)
+        structure = np.hstack([self._each(stops), self._each(stronger), fine])
         rates = self._rates() * self.rates
         by_place = (placed * self.placed).reshape(x.size, PLACES, -1).sum(axis=2)
         bulk = np.column_stack([
-            shapes, odd, even, preload, width, _uncancelled(by_place), stretched, _uncancelled(rates),
+            shapes, odd, even, preload, width, uncancelled(by_place), stretched, uncancelled(rates), coarse,
         ])  # fmt: skip
         return structure, bulk
 
+    def _each(self, elements: Floats) -> Floats:
+        """Stops and bristles (n, all of them) with their weights, finer stops in as many groups as there are coarse ones.
 
-def _uncancelled(columns: Floats) -> Floats:
-    """Columns (n, k) of which none is larger than their sum: what cancels is no parameter of the simulator."""
-    whole = float(np.sqrt(np.mean(np.square(columns.sum(axis=1)))))
-    sizes = np.sqrt(np.mean(np.square(columns), axis=0))
-    return columns * np.minimum(1.0, whole / np.maximum(sizes, 1e-300))
+        A simulator's parameters are no more uncertain for being emulated more finely.
+        """
+        count = self.thresholds.size
+        group = np.concatenate([
+            np.rint(np.arange(count) * (ELEMENTS - 1) / (count - 1)), ELEMENTS + np.arange(self.lengths.size)
+        ]).astype(int)  # fmt: skip
+        sizes = np.bincount(group, np.abs(self.weights))
+        # An element that the sparse fit left out shares its neighbours' size: its parameters are unknown, not exact.
+        shared = 0.5 * np.convolve(sizes, np.ones(3) / 3.0, mode="same")
+        weighed = elements * np.abs(self.weights)
+        columns = np.column_stack([weighed[:, group == g].sum(axis=1) for g in range(sizes.size)])
+        central = np.concatenate([np.arange(0, count, (count - 1) // (ELEMENTS - 1)), np.arange(count, group.size)])
+        columns = np.where(shared > sizes, elements[:, central] * shared, columns)
+        return np.asarray(columns[:, np.maximum(sizes, shared) > 0.0])
+
+
+def motion_of(signals: Signals) -> Motion:
+    """The recorded input as the emulator's elements see it."""
+    return Motion(signals.time, signals.x, signals.speed, signals.acceleration, signals.runs)
+
+
+def _thresholds(reach: float, count: int) -> Floats:
+    return np.geomspace(0.004, 0.8, count) * reach
 
 
 def _parts(
@@ -298,7 +389,7 @@ def _parts(
     stops, signs = _elements(x, runs, thresholds, lengths)
     u = _place(x, reach)
     elastic: Floats = np.asarray(np.polynomial.legendre.legvander(u, DEGREE))
-    placed = np.hstack([stops[:, 2::2] * weight[:, None] for weight in _weights(u)])
+    placed = np.hstack([stops[:, _placed(thresholds.size)] * weight[:, None] for weight in _weights(u)])
     return elastic, np.hstack([stops, signs]), placed
 
 
@@ -316,6 +407,12 @@ def _place(x: Floats, reach: float) -> Floats:
     return np.asarray(np.clip(x / reach, -1.3, 1.3))
 
 
+def _placed(elements: int) -> slice:
+    """Those stops whose torque may depend on where they are: the same ones however many there are between them."""
+    every = 2 * max((elements - 1) // (ELEMENTS - 1), 1)
+    return slice(every, None, every)
+
+
 def _weights(u: Floats) -> tuple[Floats, ...]:
     """How an element's torque may depend on its place, ``PLACES`` of them."""
     return u, u * u, np.abs(u), u**3
@@ -326,56 +423,38 @@ def _rates(speed: Floats, acceleration: Floats, fast: float) -> Floats:
     return np.column_stack([speed, acceleration, *(np.tanh(speed / (share * fast)) for share in STEEPNESS)])
 
 
-def predict_generalised(
-    parameters: Mapping[str, Any], x: Floats, runs: Sequence[slice], speed: Floats, acceleration: Floats
-) -> Floats:
+def predict_generalised(parameters: Mapping[str, Any], motion: Motion) -> Floats:
     """Output of the built-in emulator, N·m, shape (n,), from the virgin state in each run."""
-    u, weights = _place(x, parameters["reach"]), np.asarray(parameters["weights"])
+    x, weights = motion.x, np.asarray(parameters["weights"])
+    u = _place(x, parameters["reach"])
     thresholds, lengths = np.asarray(parameters["thresholds"]), np.asarray(parameters["lengths"])
     placed = np.zeros((PLACES, thresholds.size))
-    placed[:, 2::2] = np.reshape(parameters["placed"], (PLACES, -1))
+    placed[:, _placed(thresholds.size)] = np.reshape(parameters["placed"], (PLACES, -1))
     stops, signs = weights[: thresholds.size], weights[thresholds.size :]
     y = np.polynomial.legendre.legval(u, parameters["elastic"])
     # Summed as they come: the columns that an identification needs are never made.
-    y += np.concatenate([weighed(x[run], u[run], thresholds, stops, placed, lengths, signs) for run in runs])
-    return np.asarray(y + _rates(speed, acceleration, float(parameters["fast"])) @ parameters["rates"])
+    y += np.concatenate([weighed(x[run], u[run], thresholds, stops, placed, lengths, signs) for run in motion.runs])
+    y += torque_of(parameters.get("further", {}), motion)
+    rates = _rates(motion.speed, motion.acceleration, float(parameters["fast"]))
+    return np.asarray(y + rates @ parameters["rates"])
 
 
 def spring_of(parameters: Mapping[str, Any], x: Floats) -> Floats:
     """The elastic part of the built-in emulator's output, without torque at rest, N·m, shape (n,)."""
     elastic = np.asarray(parameters["elastic"])
     curve = np.polynomial.legendre.legval(_place(x, parameters["reach"]), elastic)
-    return np.asarray(curve - np.polynomial.legendre.legval(0.0, elastic))
+    kinks = torque_of(parameters.get("further", {}), Motion(x, x, x, x, [slice(0, x.size)]), ELASTIC)
+    return np.asarray(curve - np.polynomial.legendre.legval(0.0, elastic) + kinks)
 
 
-def strength_of(parameters: Mapping[str, Any], x: Floats, runs: Sequence[slice]) -> Floats:
+def strength_of(parameters: Mapping[str, Any], motion: Motion) -> Floats:
     """Change of the built-in emulator's output for a relative change by one of the strength of what has memory."""
     thresholds, lengths, weights = (np.asarray(parameters[name]) for name in ("thresholds", "lengths", "weights"))
-    return np.asarray(_stronger(x, runs, thresholds, lengths) @ weights)
+    further = stronger_of(parameters.get("further", {}), motion)
+    return np.asarray(_stronger(motion.x, motion.runs, thresholds, lengths) @ weights + further)
 
 
 def _stronger(x: Floats, runs: Sequence[slice], thresholds: Floats, lengths: Floats) -> Floats:
     """Change of each element for a relative change by one of its strength at the same stiffness."""
     wider, narrower = (np.hstack(_elements(x, runs, scale * thresholds, scale * lengths)) for scale in (1.05, 0.95))
     return np.asarray((wider - narrower) / 0.1)
-
-
-def _solve(free: Floats, bounded: Floats, target: Floats) -> Floats:
-    """Least squares with free columns and non-negative ones; returns the free unknowns first."""
-    columns = np.hstack([free, bounded])
-    scale = np.sqrt(np.mean(np.square(columns), axis=0))
-    scale[scale == 0.0] = 1.0
-    columns = columns / scale
-    # A small ridge keeps nearly equal columns from cancelling each other with huge weights; it is larger on the elements
-    # with memory, so that what is elastic goes to the elastic curve and not to elements that hardly ever yield.
-    strength = np.concatenate([np.full(free.shape[1], 1e-7), np.full(bounded.shape[1], BIAS)])
-    ridge = np.diag(np.sqrt(strength * columns.shape[0]))
-    padded = np.column_stack([ridge, np.zeros(columns.shape[1])])
-    measured = (np.column_stack([columns[part], target[part]]) for part in blocks(target.size))
-    triangle = reduced(itertools.chain([padded], measured))
-    k = free.shape[1]
-    matrix, wanted = triangle[:-1, :-1], triangle[:-1, -1]
-    # The free unknowns come first in the triangle: below their rows only the bounded ones are left.
-    positive = nnls(matrix[k:, k:], wanted[k:], maxiter=50 * columns.shape[1])[0]
-    rest = np.linalg.solve(matrix[:k, :k], wanted[:k] - matrix[:k, k:] @ positive)
-    return np.concatenate([rest, positive]) / scale

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["bristle", "clearance", "free_flight", "lowpass", "plays", "weighed", "yielding"]
+__all__ = ["bristle", "clearance", "free_flight", "hyperbolic", "lowpass", "plays", "weighed", "yielding"]
 
 Floats = NDArray[np.float64]
 
@@ -29,6 +29,21 @@ def _bristle(x, length, out):
         towards = 1.0 if moved > 0.0 else -1.0
         s = towards + (s - towards) * np.exp(-abs(moved) / length)
         out[i] = s
+
+
+@njit(cache=True)
+def _hyperbolic(x, length, out):
+    f, left, left_at, way = 0.0, 0.0, x[0], 0.0
+    out[0] = 0.0
+    for i in range(1, x.size):
+        moved = x[i] - x[i - 1]
+        if moved != 0.0:
+            towards = 1.0 if moved > 0.0 else -1.0
+            if towards != way:
+                left, left_at, way = f, x[i - 1], towards
+            gone = abs(x[i] - left_at)
+            f = left + towards * gone / (length * (1.0 - towards * left) + gone) * (1.0 - towards * left)
+        out[i] = f
 
 
 @njit(cache=True)
@@ -162,6 +177,17 @@ def bristle(x: Floats, length: float) -> Floats:
     """Direction of motion that builds up over the distance ``length`` (Dahl's presliding), shape (n,), within ±1."""
     out = np.zeros(x.size)
     _bristle(np.ascontiguousarray(x), float(length), out)
+    return out
+
+
+def hyperbolic(x: Floats, length: float) -> Floats:
+    """Friction that approaches ±1 hyperbolically with the distance from the last turn, shape (n,).
+
+    From a turn at f it has gone half of the way to ±1 after ``length`` (1 ∓ f): Berg's friction of rubber (Vehicle System
+    Dynamics 30, 1998, 197–212).
+    """
+    out = np.empty(x.size)
+    _hyperbolic(np.ascontiguousarray(x), float(length), out)
     return out
 
 

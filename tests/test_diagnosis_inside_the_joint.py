@@ -15,7 +15,7 @@ from scipy.signal import lfilter
 from hystbench import models
 from hystbench.diagnosis.delivery import deliver, sentence
 from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
-from hystbench.diagnosis.emulation import Generalised, SimulatorScene, emulate, spring_of, strength_of
+from hystbench.diagnosis.emulation import Generalised, SimulatorScene, emulate, motion_of, spring_of, strength_of
 from hystbench.diagnosis.hum import hum
 from hystbench.diagnosis.signals import Signals
 
@@ -111,7 +111,7 @@ def test_strength_is_the_change_with_the_level_at_which_friction_slides() -> Non
     stronger = sliders(X, [(stiffness, 1.05 * limit) for stiffness, limit in ELEMENTS])
     weaker = sliders(X, [(stiffness, 0.95 * limit) for stiffness, limit in ELEMENTS])
     change = (stronger - weaker) / 0.1
-    found = strength_of(parameters, X, [slice(0, X.size)])
+    found = strength_of(parameters, motion_of(signals(joint(X))))
     assert np.std(found - change) < 0.2 * np.std(change)
     assert spring_of(parameters, np.zeros(3)) == pytest.approx(np.zeros(3), abs=1e-12)
 

@@ -1,13 +1,13 @@
-"""Slow drift with time or temperature, of the zero or of the stiffness."""
+"""Slow drift with time or temperature, of the zero, of the stiffness or, as a torque sensor's, of both."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
 
-from .base import Effect, Floats, Form, Parameter, Scene, geometric, inside
+from .base import Columns, Effect, Floats, Form, Parameter, Scene, geometric, inside
 
 __all__ = ["ThermalDrift"]
 
@@ -21,10 +21,6 @@ def _zero(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return _warming(scene, shape)[:, None]
 
 
-def _stiffness(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return (_warming(scene, shape) * scene.torque)[:, None]
-
-
 def _self_heating(scene: Scene, shape: tuple[float, ...]) -> Floats:
     """Temperature by the joint's own losses, which go with |y v|, against cooling."""
     s = scene.signals
@@ -34,26 +30,39 @@ def _self_heating(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return warm[:, None]
 
 
-def _stiffness_self_heating(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return _self_heating(scene, shape) * scene.torque[:, None]
-
-
 def _wave(scene: Scene, shape: tuple[float, ...]) -> Floats:
     """Day and night, or a heater that cycles: a slow wave that starts at zero."""
     angle = 2.0 * np.pi * scene.signals.elapsed / shape[0]
     return np.column_stack([np.sin(angle), np.cos(angle) - 1.0])
 
 
-def _stiffness_wave(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return _wave(scene, shape) * scene.torque[:, None]
+def _channel(name: str) -> Columns:
+    def rise(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        return (scene.signals.channels[name] - scene.signals.channels[name][0])[:, None]
+
+    return rise
 
 
-def _channel(name: str, stiffness: bool) -> Callable[[Scene, tuple[float, ...]], Floats]:
-    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        rise = scene.signals.channels[name] - scene.signals.channels[name][0]
-        return (rise * scene.torque if stiffness else rise)[:, None]
+def _of_stiffness(drift: Columns) -> Columns:
+    return lambda scene, shape: drift(scene, shape) * scene.torque[:, None]
 
-    return columns
+
+def _of_both(drift: Columns) -> Columns:
+    """A torque sensor's zero and span drift together."""
+    return lambda scene, shape: np.hstack([drift(scene, shape), drift(scene, shape) * scene.torque[:, None]])
+
+
+def _form(
+    name: str,
+    coefficients: tuple[str, ...],
+    columns: Columns,
+    shapes: Sequence[str] = (),
+    grid: Sequence[tuple[float, ...]] = ((),),
+    limits: Sequence[tuple[float, float]] = (),
+) -> Form:
+    """A law that may drift either way."""
+    count = len(coefficients)
+    return Form(name, coefficients, columns, (-np.inf,) * count, (np.inf,) * count, shapes, grid, limits)
 
 
 class ThermalDrift(Effect):
@@ -63,7 +72,7 @@ class ThermalDrift(Effect):
     title: ClassVar[str] = "thermal drift"
     summary: ClassVar[str] = "zero or stiffness that drifts with time or temperature while the joint warms up"
     equation: ClassVar[str] = (
-        "y += a w  or  y += a w y_sim (or a part of it),  w = 1 − exp(−t/τ), t, lagged |y v|, sin(2πt/P) with "
+        "y += a w, a w y_sim (or a part of it) or both,  w = 1 − exp(−t/τ), t, lagged |y v|, sin(2πt/P) with "
         "b (cos(2πt/P) − 1), or temperature rise"
     )
     coordinate: ClassVar[str] = "time"
@@ -83,32 +92,33 @@ class ThermalDrift(Effect):
         times = [(t,) for t in geometric(0.05 * span, 1.5 * span, 6)]
         # Warming up that is over within a thirtieth of the recording could not be told from an offset or a gain.
         limits = [(0.03 * span, 3.0 * span)]
-        free = (-np.inf,), (np.inf,)
-        both = (-np.inf,) * 2, (np.inf,) * 2
-        waves = [(share * span,) for share in (0.6, 1.2, 2.4)]
-        slow = [(0.5 * span, 4.0 * span)]
-        heated = Form("stiffness, self-heating", ("stiffness_drift",), _stiffness_self_heating, *free,
-                      ("time_constant",), times[1::2], limits)  # fmt: skip
-        warmed = Form(
-            "stiffness, exponential", ("stiffness_drift",), _stiffness, *free, ("time_constant",), times, limits
-        )
-        waved = Form("stiffness, slow wave", ("stiffness_drift", "stiffness_drift_cos"), _stiffness_wave, *both,
-                     ("period",), waves, slow)  # fmt: skip
+        zero, stiffness = ("zero_drift",), ("stiffness_drift",)
+        waves = ("period",), [(share * span,) for share in (0.6, 1.2, 2.4)], [(0.5 * span, 4.0 * span)]
+        warming = ("time_constant",), times, limits
+        heating = ("time_constant",), times[1::2], limits
+        heated = _form("stiffness, self-heating", stiffness, _of_stiffness(_self_heating), *heating)
+        warmed = _form("stiffness, exponential", stiffness, _of_stiffness(_zero), *warming)
+        waved = _form("stiffness, slow wave", (*stiffness, "stiffness_drift_cos"), _of_stiffness(_wave), *waves)
         made = [
-            Form("zero, linear", ("zero_drift",), _zero, *free),
-            Form("zero, exponential", ("zero_drift",), _zero, *free, ("time_constant",), times, limits),
-            Form("zero, self-heating", ("zero_drift",), _self_heating, *free, ("time_constant",), times[1::2], limits),
-            Form("zero, slow wave", ("zero_drift", "zero_drift_cos"), _wave, *both, ("period",), waves, slow),
+            _form("zero, linear", zero, _zero),
+            _form("zero, exponential", zero, _zero, *warming),
+            _form("zero, self-heating", zero, _self_heating, *heating),
+            _form("zero, slow wave", (*zero, "zero_drift_cos"), _wave, *waves),
             heated,
-            Form("stiffness, linear", ("stiffness_drift",), _stiffness, *free),
+            _form("stiffness, linear", stiffness, _of_stiffness(_zero)),
             warmed,
             waved,
+            _form("zero and stiffness, linear", zero + stiffness, _of_both(_zero)),
+            _form("zero and stiffness, exponential", zero + stiffness, _of_both(_zero), *warming),
+            _form("zero and stiffness, self-heating", zero + stiffness, _of_both(_self_heating), *heating),
             *inside(heated, _self_heating),
             *inside(warmed, _zero),
             *inside(waved, _wave),
         ]
         for name, values in s.channels.items():
             if "temp" in name.lower() and np.ptp(values) > 0.0:
-                made.append(Form(f"zero by {name}", ("zero_drift",), _channel(name, False), *free))
-                made.append(Form(f"stiffness by {name}", ("stiffness_drift",), _channel(name, True), *free))
+                rise = _channel(name)
+                made.append(_form(f"zero by {name}", zero, rise))
+                made.append(_form(f"stiffness by {name}", stiffness, _of_stiffness(rise)))
+                made.append(_form(f"zero and stiffness by {name}", zero + stiffness, _of_both(rise)))
         return made

@@ -1,0 +1,262 @@
+"""Further elements of the emulator: for simulators that stops, bristles, a polynomial and rates do not emulate.
+
+Each kind is one that simulators of joints are made of: springs with kinks, rubber, smooth yielding, viscoelasticity,
+loops that bend with the place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..models.bouc_wen import BoucWen
+from .operators import hyperbolic, lowpass, plays, yielding
+
+__all__ = [
+    "ELASTIC",
+    "KINDS",
+    "KINKS",
+    "MEMORY",
+    "RATE",
+    "Extent",
+    "Further",
+    "Kind",
+    "Motion",
+    "kinks_moved",
+    "stronger_of",
+    "tangents",
+    "torque_of",
+    "uncancelled",
+]
+
+Floats = NDArray[np.float64]
+Further = Mapping[str, Mapping[str, Any]]
+"""By kind: ``sizes`` (k, m) and ``weights`` (k,) of its elements."""
+ELASTIC, MEMORY, RATE = "elastic", "memory", "rate"
+KINKS = "kinks"
+PLACES = 49
+"""Places of a kink that are tried."""
+MOVED = 0.04
+"""Relative error of a kink's place."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """An input: time, deflection and its derivatives, shapes (n,), in runs in each of which memory starts anew."""
+
+    time: Floats
+    x: Floats
+    speed: Floats
+    acceleration: Floats
+    runs: Sequence[slice]
+
+    def from_rest(self, answer: Callable[..., Floats], *others: Floats) -> Floats:
+        """What an operator answers, shape (n,), where each run comes from zero to where its recording begins.
+
+        It is asked for the deflection and ``others`` (n,) along it.
+        """
+        answers = []
+        for run in self.runs:
+            given = [np.concatenate([[0.0], self.x[run]])] + [np.concatenate([o[run][:1], o[run]]) for o in others]
+            answers.append(answer(*given)[1:])
+        return np.concatenate(answers)
+
+
+@dataclass(frozen=True)
+class Extent:
+    """What a recording spans: reach (rad) and standard deviation of the speed (rad/s), interval and duration (s)."""
+
+    reach: float
+    fast: float
+    interval: float
+    duration: float
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One kind of element.
+
+    Attributes
+    ----------
+    part : str
+        ``ELASTIC``, ``MEMORY`` or ``RATE``: what of the simulator it belongs to.
+    one_sign : bool
+        Whether all weights have the sign of the simulator's other elements with memory.
+    sizes : callable
+        ``sizes(extent) -> (k, m)`` of the elements to choose from; of those with memory the first is a length, rad.
+    columns : callable
+        ``columns(motion, sizes) -> (n, k)``, the torque of each for a weight of one.
+    """
+
+    part: str
+    one_sign: bool
+    sizes: Callable[[Extent], Floats]
+    columns: Callable[[Motion, Floats], Floats]
+
+    @property
+    def width(self) -> int:
+        """How many sizes an element has."""
+        return int(self.sizes(Extent(1.0, 1.0, 0.01, 1.0)).shape[1])
+
+
+def _by_row(column: Callable[..., Floats]) -> Callable[[Motion, Floats], Floats]:
+    """Columns made one by one, each from its sizes."""
+
+    def columns(motion: Motion, sizes: Floats) -> Floats:
+        return np.column_stack([np.empty((motion.x.size, 0)), *(column(motion, *row) for row in sizes)])
+
+    return columns
+
+
+def _kink(motion: Motion, place: float) -> Floats:
+    return np.asarray(np.maximum(motion.x - place, 0.0) if place > 0.0 else np.minimum(motion.x - place, 0.0))
+
+
+def _rubber(motion: Motion, length: float) -> Floats:
+    return length * motion.from_rest(lambda x: hyperbolic(x, length))
+
+
+def _stribeck(motion: Motion, length: float, pace: float, excess: float) -> Floats:
+    """A LuGre element that yields at a level which falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1."""
+    level = 1.0 + excess * np.exp(-np.square(motion.speed / pace))
+    return length * motion.from_rest(lambda x, along: yielding(x, along, length), level)
+
+
+def _smooth(motion: Motion, length: float, exponent: float, share: float) -> Floats:
+    """A Bouc-Wen element of unit stiffness that saturates at ``length``."""
+    size = length**-exponent
+    element = BoucWen.from_parameters(
+        stiffness=1.0, alpha=0.0, A=1.0, beta=(1.0 - share) * size, gamma=share * size, n=exponent
+    )
+    return motion.from_rest(element.predict)
+
+
+def _lag(motion: Motion, constant: float) -> Floats:
+    return np.concatenate([lowpass(motion.time[run], motion.x[run], constant) - motion.x[run] for run in motion.runs])
+
+
+def _curved(motion: Motion, sizes: Floats) -> Floats:
+    """Products of powers of plays and of the deflection."""
+    thresholds, which = np.unique(sizes[:, 0], return_inverse=True)
+    played = np.concatenate([plays(motion.x[run], thresholds) for run in motion.runs])[:, which]
+    return np.asarray(played ** sizes[:, 1] * motion.x[:, None] ** sizes[:, 2])
+
+
+def _with(lengths: Floats, *others: tuple[float, ...]) -> Floats:
+    """Each length with each of the other sizes, shape (k, m)."""
+    return np.array([(length, *other) for length in lengths for other in others])
+
+
+KINDS: Mapping[str, Kind] = MappingProxyType({
+    # A stiffer spring that engages, an end stop, a table.
+    KINKS: Kind(
+        ELASTIC, False,
+        lambda extent: extent.reach * np.linspace(-0.96, 0.96, PLACES)[:, None],
+        _by_row(_kink),
+    ),
+    # Rubber: the friction of Berg (Vehicle System Dynamics 30, 1998).
+    "rubber": Kind(
+        MEMORY, True,
+        lambda extent: extent.reach * np.geomspace(0.01, 1.0, 10)[:, None],
+        _by_row(_rubber),
+    ),
+    "smooth yielding": Kind(
+        MEMORY, True,
+        lambda extent: _with(
+            extent.reach * np.geomspace(0.02, 1.0, 6), (1.0, 0.25), (1.0, 0.5), (2.0, 0.0), (2.0, 0.25), (2.0, 0.5)
+        ),
+        _by_row(_smooth),
+    ),
+    # A simulator with Stribeck friction: Canudas de Wit et al. (IEEE TAC 40, 1995).
+    "Stribeck friction": Kind(
+        MEMORY, True,
+        lambda extent: np.array([
+            (length * extent.reach, pace * extent.fast, excess)
+            for length in (0.004, 0.012, 0.04, 0.12) for pace in (0.03, 0.1, 0.3, 1.0) for excess in (0.5, 1.5)
+        ]),
+        _by_row(_stribeck),
+    ),
+    "relaxation": Kind(
+        RATE, False,
+        lambda extent: np.geomspace(4.0 * extent.interval, extent.duration / 3.0, 7)[:, None],
+        _by_row(_lag),
+    ),
+    "curved plays": Kind(
+        MEMORY, False,
+        lambda extent: _with(
+            extent.reach * np.geomspace(0.009, 0.55, 6), (2.0, 0.0), (3.0, 0.0), (1.0, 2.0), (2.0, 1.0)
+        ),
+        _curved,
+    ),
+})  # fmt: skip
+
+
+def torque_of(further: Further, motion: Motion, part: str | None = None) -> Floats:
+    """Torque of further elements, or of those that are ``part`` of the simulator, N·m, shape (n,)."""
+    total = np.zeros(motion.x.size)
+    for kind, sizes, weights in _made(further):
+        if part in (None, kind.part):
+            total += kind.columns(motion, sizes) @ weights
+    return total
+
+
+def stronger_of(further: Further, motion: Motion) -> Floats:
+    """Change for a relative change by one of the strength of what has memory, at the same stiffness, N·m, shape (n,)."""
+    total = np.zeros(motion.x.size)
+    for kind, sizes, weights in _made(further):
+        if kind.part == MEMORY:
+            total += _stretched(kind, motion, sizes) @ weights
+    return total
+
+
+def tangents(further: Further, motion: Motion) -> tuple[Floats, Floats]:
+    """Changes for a relative error of one of some parameter, shapes (n, any): of the fine structure and of the bulk."""
+    nothing = np.empty((motion.x.size, 0))
+    fine, bulk = [nothing], [nothing]
+    for kind, sizes, weights in _made(further):
+        torque = kind.columns(motion, sizes) * weights
+        if kind.one_sign:
+            fine += [torque, _stretched(kind, motion, sizes) * weights]
+        elif kind.part == ELASTIC:
+            # Moved by a few per cent a kink leaves a ramp, not a step: each way its own.
+            near, far = (kind.columns(motion, sizes * (1.0 + way * MOVED)) * weights for way in (-1.0, 1.0))
+            bulk += [torque, (far - torque) / MOVED, (torque - near) / MOVED]
+        else:
+            # Elements that differ in one size only are one parameter.
+            _, group = np.unique(sizes[:, 1:] if sizes.shape[1] > 1 else sizes, axis=0, return_inverse=True)
+            bulk.append(uncancelled(torque @ np.eye(group.max() + 1)[group.ravel()]))
+            bulk.append((_stretched(kind, motion, sizes) @ weights)[:, None])
+    return np.hstack(fine), np.hstack(bulk)
+
+
+def kinks_moved(motion: Motion, sizes: Floats, weights: Floats) -> Floats:
+    """Change of the torque of each kink when its place moves on by one radian, N·m, shape (n, k)."""
+    beyond = np.where(sizes[:, 0] > 0.0, motion.x[:, None] > sizes[:, 0], motion.x[:, None] < sizes[:, 0])
+    return np.asarray(beyond * -weights)
+
+
+def uncancelled(columns: Floats) -> Floats:
+    """Columns (n, k) of which none is larger than their sum: what cancels is no parameter of the simulator."""
+    whole = float(np.sqrt(np.mean(np.square(columns.sum(axis=1)))))
+    sizes = np.sqrt(np.mean(np.square(columns), axis=0))
+    return columns * np.minimum(1.0, whole / np.maximum(sizes, 1e-300))
+
+
+def _made(further: Further) -> Iterator[tuple[Kind, Floats, Floats]]:
+    for name, elements in further.items():
+        sizes, weights = np.asarray(elements["sizes"], dtype=np.float64), np.asarray(elements["weights"])
+        if weights.size:
+            yield KINDS[name], sizes, weights
+
+
+def _stretched(kind: Kind, motion: Motion, sizes: Floats) -> Floats:
+    """Change of each element for a relative change by one of its first size, shape (n, k)."""
+    up, down = (
+        kind.columns(motion, sizes * np.array([scale] + [1.0] * (sizes.shape[1] - 1))) for scale in (1.05, 0.95)
+    )
+    return np.asarray((up - down) / 0.1)

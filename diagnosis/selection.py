@@ -1,0 +1,131 @@
+"""Which elements an emulator needs: those that tell blocks of a recording from the others much better."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+
+from ..models.least_squares import blocks, reduced
+
+__all__ = ["Selection", "solve", "spread", "triangle"]
+
+Floats = NDArray[np.float64]
+Places = NDArray[np.intp]
+BIAS = 1e-5
+FOLDS, BLOCKS = 4, 20
+"""Parts of a recording that are told from the others, and the blocks that it is cut into for them."""
+ENOUGH = 6000
+"""Samples that are enough to choose elements by."""
+WORTHWHILE = 0.85
+"""What must be left of the error at most for an element to be taken in."""
+
+
+def spread(samples: int) -> slice:
+    """Samples spread over a recording that are enough to choose elements by."""
+    return slice(None, None, max(samples // ENOUGH, 1))
+
+
+def triangle(columns: Floats, target: Floats) -> Floats:
+    """R of the columns (n, k) and the target (n,), shape (at most k + 1, k + 1)."""
+    return reduced(np.column_stack([columns[part], target[part]]) for part in blocks(target.size))
+
+
+def solve(rows: Floats, free: int, samples: int) -> Floats:
+    """Least squares with free columns first and then non-negative ones, shape (k,).
+
+    ``rows`` (any, k + 1) are the columns and the target, or their triangle, of so many samples.
+    """
+    scale = np.linalg.norm(rows[:, :-1], axis=0) / np.sqrt(samples)
+    scale[scale == 0.0] = 1.0
+    # A small ridge keeps nearly equal columns from cancelling each other with huge weights; it is larger on the elements
+    # with memory, so that what is elastic goes to the elastic curve and not to elements that hardly ever yield.
+    strength = np.concatenate([np.full(free, 1e-7), np.full(scale.size - free, BIAS)])
+    ridge = np.column_stack([np.diag(np.sqrt(strength * samples)), np.zeros(scale.size)])
+    whole = np.asarray(np.linalg.qr(np.vstack([ridge, np.column_stack([rows[:, :-1] / scale, rows[:, -1]])]), mode="r"))
+    matrix, wanted = whole[:-1, :-1], whole[:-1, -1]
+    # The free unknowns come first in the triangle: below their rows only the bounded ones are left.
+    positive = nnls(matrix[free:, free:], wanted[free:], maxiter=50 * scale.size)[0]
+    rest = np.linalg.solve(matrix[:free, :free], wanted[:free] - matrix[:free, free:] @ positive)
+    return np.concatenate([rest, positive]) / scale
+
+
+def _joined(triangles: Sequence[Floats]) -> Floats:
+    return np.asarray(np.linalg.qr(np.vstack(triangles), mode="r"))
+
+
+class Selection:
+    """Elements to choose from, over a recording or over samples spread over it (see :func:`spread`).
+
+    Parameters
+    ----------
+    elements : mapping of str to array, shape (n, any)
+        Their outputs by kind.
+    target : array, shape (n,)
+        What they are to emulate.
+    bounded : sequence of str
+        Kinds whose weights must not be negative.
+    """
+
+    def __init__(self, elements: Mapping[str, Floats], target: Floats, bounded: Sequence[str]) -> None:
+        fold = (np.arange(target.size) * BLOCKS // target.size) % FOLDS
+        columns = np.hstack(list(elements.values()))
+        self._samples = target.size
+        self._parts = [triangle(columns[fold == k], target[fold == k]) for k in range(FOLDS)]
+        self._others = [_joined([part for j, part in enumerate(self._parts) if j != k]) for k in range(FOLDS)]
+        self._bounded = frozenset(bounded)
+        edges = np.cumsum([0, *(part.shape[1] for part in elements.values())]).tolist()
+        self.places = {name: np.arange(a, b) for name, (a, b) in zip(elements, itertools.pairwise(edges), strict=True)}
+
+    def _ordered(self, chosen: Mapping[str, Places]) -> tuple[Places, int]:
+        """The columns of what is chosen, free ones first, and how many are free."""
+        free = [at for name, at in chosen.items() if name not in self._bounded]
+        bounded = [at for name, at in chosen.items() if name in self._bounded]
+        return np.concatenate([*free, *bounded]), sum(at.size for at in free)
+
+    def error(self, chosen: Mapping[str, Places]) -> float:
+        """How far each part is off when the others identify it: the geometric mean, for one part may be an extrapolation."""
+        order, free = self._ordered(chosen)
+        total = 0.0
+        for part, others in zip(self._parts, self._others, strict=True):
+            solution = solve(others[:, [*order, -1]], free, self._samples)
+            total += float(np.log(np.sum(np.square(part[:, order] @ solution - part[:, -1])) + 1e-300))
+        return float(np.exp(0.5 * total / FOLDS))
+
+    def best_of(self, candidates: Places, chosen: Mapping[str, Places]) -> Places:
+        """The one of ``candidates`` that takes most of what the chosen elements leave, shape (1,)."""
+        order, _ = self._ordered(chosen)
+        rows = _joined(self._parts)
+        basis = np.linalg.qr(rows[:, order])[0]
+        left = rows[:, [*candidates, -1]]
+        left = left - basis @ (basis.T @ left)
+        size, own = np.sum(np.square(left[:, :-1]), axis=0), np.sum(np.square(rows[:, candidates]), axis=0)
+        taken = np.where(size > 1e-9 * own, (left[:, :-1].T @ left[:, -1]) ** 2 / np.maximum(size, 1e-300), 0.0)
+        return candidates[[int(np.argmax(taken))]]
+
+    def grow(self, base: Mapping[str, Places], kinds: Sequence[str], one_by_one: Sequence[str]) -> dict[str, Places]:
+        """``base`` and those of ``kinds`` that make the error much smaller, the best first.
+
+        Of the kinds that come ``one_by_one`` single elements are taken in.
+        """
+        chosen = dict(base)
+        error = self.error(chosen)
+        while True:
+            options = []
+            for name in kinds:
+                tried, all_of_it = chosen, self.places[name]
+                # Two at once as well: one of a pair hardly helps without the other.
+                for _ in range(2 if name in one_by_one else 1):
+                    has = tried.get(name, all_of_it[:0])
+                    rest = np.setdiff1d(all_of_it, has)
+                    if rest.size:
+                        more = self.best_of(rest, tried) if name in one_by_one else rest
+                        tried = {**tried, name: np.concatenate([has, more])}
+                        options.append((self.error(tried), tried))
+            best = min(options, key=lambda option: option[0], default=(np.inf, chosen))
+            if best[0] > WORTHWHILE * error:
+                return chosen
+            error, chosen = best

@@ -1,0 +1,179 @@
+"""What simulators of joints are made of, each by an implementation of its own, and whether the emulator answers for them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from joints import sliders
+from numpy.typing import NDArray
+
+from hystbench.diagnosis import emulation
+from hystbench.diagnosis.corrected import CorrectedSimulator
+from hystbench.diagnosis.diagnosis import diagnose
+from hystbench.diagnosis.emulation import Generalised, emulate, spring_of
+from hystbench.diagnosis.operators import hyperbolic
+from hystbench.diagnosis.signals import Signals
+from hystbench.errors import InputError
+
+Floats = NDArray[np.float64]
+Joint = Callable[[Floats, Floats], Floats]
+INTERVAL = 0.01
+
+
+def motion(seconds: float, *phases: float) -> tuple[Floats, Floats]:
+    time = np.arange(0.0, seconds, INTERVAL)
+    x = sum(
+        size * np.sin(2.0 * np.pi * rate * time + phase)
+        for size, rate, phase in zip((0.6, 0.3, 0.15), (0.17, 0.43, 1.1), phases, strict=True)
+    )
+    return time, np.asarray(x - x[0] * np.exp(-time / 0.3)) * (1.0 - np.exp(-time / 0.5))
+
+
+def kinked(time: Floats, x: Floats, engages: float = 0.52, stiffness: float = 7.0) -> Floats:
+    spring = 5.0 * x + stiffness * np.sign(x) * np.maximum(np.abs(x) - engages, 0.0)
+    return spring + sliders(x, ((6.0, 0.12), (2.0, 0.15)))
+
+
+def many_sliders(time: Floats, x: Floats) -> Floats:
+    """Elements that slide one after the other close together."""
+    return 3.0 * x + sliders(x, [(2.5, 2.5 * d) for d in (0.031, 0.036, 0.043, 0.05, 0.058)])
+
+
+def rubber(time: Floats, x: Floats) -> Floats:
+    friction, force, left, left_at, way = np.zeros(x.size), 0.0, 0.0, 0.0, 0.0
+    for i in range(1, x.size):
+        step = x[i] - x[i - 1]
+        if step * way <= 0.0:
+            left, left_at, way = force, x[i - 1], step
+        # Berg's two branches, F_max = 1.5 and x_2 = 0.08, as printed.
+        mu, gone = left / 1.5, x[i] - left_at
+        up = left + gone / (0.08 * (1.0 - mu) + gone) * (1.5 - left)
+        down = left + gone / (0.08 * (1.0 + mu) - gone) * (1.5 + left)
+        friction[i] = force = up if step > 0.0 else down
+    return 4.0 * x + friction
+
+
+def smooth_yielding(time: Floats, x: Floats) -> Floats:
+    z, out = 0.0, np.zeros(x.size)
+    for i in range(1, x.size):
+        step = (x[i] - x[i - 1]) / 40
+        for _ in range(40):
+            z += step * (1.0 - (z / 0.09) ** 2 * (0.6 * np.sign(z * step) + 0.4))
+        out[i] = z
+    return 3.0 * x + 12.0 * out
+
+
+def stribeck(time: Floats, x: Floats) -> Floats:
+    """LuGre, explicit in small steps."""
+    z, out = 0.0, np.zeros(x.size)
+    for i in range(1, x.size):
+        speed = (x[i] - x[i - 1]) / INTERVAL
+        level = 0.8 + 0.6 * np.exp(-((speed / 0.25) ** 2))
+        for _ in range(40):
+            z += INTERVAL / 40 * (speed - 60.0 * abs(speed) / level * z)
+        out[i] = 60.0 * z
+    return 3.0 * x + out
+
+
+def viscoelastic(time: Floats, x: Floats) -> Floats:
+    branches = np.zeros(x.size)
+    for constant in (0.3, 2.0, 9.0):
+        force = 0.0
+        for i in range(1, x.size):
+            force = force * np.exp(-INTERVAL / constant) + 1.5 * (x[i] - x[i - 1])
+            branches[i] += force
+    return 3.0 * x + branches
+
+
+def saturating(time: Floats, x: Floats) -> Floats:
+    """A generalised Prandtl-Ishlinskii stage: each play is bent by an envelope that saturates sooner on one side."""
+    out = np.zeros(x.size)
+    for half in (0.05, 0.1, 0.2, 0.3):
+        at = 0.0
+        for i, now in enumerate(x):
+            at = min(max(at, now - half), now + half)
+            out[i] += np.tanh(1.6 * at + 0.4)
+    return x + out
+
+
+JOINTS: dict[str, tuple[Joint, float]] = {
+    "kinked": (kinked, 0.005),
+    "many sliders": (many_sliders, 0.003),
+    "rubber": (rubber, 0.005),
+    "smooth yielding": (smooth_yielding, 0.01),
+    "Stribeck": (stribeck, 0.01),
+    "viscoelastic": (viscoelastic, 0.02),
+    "saturating": (saturating, 0.02),
+}
+"""With the error, as a share of the output, that the emulator may make over a motion that it never saw."""
+
+
+def recorded(joint: Joint, real: Joint | None = None) -> Signals:
+    time, x = motion(60.0, 0.0, 1.0, 2.0)
+    y = joint(time, x)
+    noise = 0.002 * np.std(y) * np.random.default_rng(5).standard_normal(x.size)
+    return Signals(time, x, (real or joint)(time, x) + noise, y, [slice(0, x.size)], {})
+
+
+@pytest.mark.parametrize("name", JOINTS)
+def test_answers_another_motion_as_the_simulator_would(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    joint, allowed = JOINTS[name]
+    signals = recorded(joint)
+    time, x = motion(40.0, 2.0, 0.5, 1.0)
+    x *= 0.85
+    wanted = joint(time, x)
+
+    def error() -> float:
+        return float(np.std(Generalised(signals).anew(x) - wanted) / np.std(wanted))
+
+    found = error()
+    monkeypatch.setattr(emulation, "EMULATED", np.inf)
+    assert found < min(allowed, 0.7 * error())
+
+
+def test_spring_that_engages_a_few_per_cent_elsewhere_is_a_miscalibration() -> None:
+    found = diagnose(recorded(kinked, lambda time, x: kinked(time, x, 0.54, 7.25)))
+    assert found.verdict == ["miscalibration"]
+
+
+def test_kinks_belong_to_the_spring_and_have_no_torque_at_rest() -> None:
+    emulator = emulate(recorded(kinked), None)
+    assert "kinks" in emulator.name
+    x = np.array([-0.8, -0.3, 0.0, 0.3, 0.8])
+    # Sliders that hardly ever slide may pass for springs and the other way round, but a kink is one of the spring.
+    bent = np.diff(spring_of(emulator.split, x))
+    assert spring_of(emulator.split, x)[2] == pytest.approx(0.0, abs=1e-12)
+    assert bent[[0, 3]] / 0.5 == pytest.approx(bent[[1, 2]] / 0.3 + 7.0 * 0.28 / 0.5, rel=0.1)
+
+
+def test_hyperbolic_friction_is_half_way_after_its_length_and_does_not_know_time() -> None:
+    x = np.concatenate([np.linspace(0.0, 0.1, 11), np.linspace(0.1, -0.5, 61)[1:]])
+    f = hyperbolic(x, 0.1)
+    assert f[10] == pytest.approx(0.5)
+    # From there back the length is 0.1 (1 + f): half of the way from 0.5 to −1.
+    assert f[25] == pytest.approx(-0.25)
+    finer = hyperbolic(np.interp(np.arange(0.0, x.size - 1, 0.25), np.arange(x.size), x), 0.1)
+    assert finer[::4] == pytest.approx(f[:-1])
+
+
+def test_model_file_keeps_further_elements_and_tells_what_is_wrong_with_them() -> None:
+    signals = recorded(kinked)
+    parameters = json.loads(json.dumps(Generalised(signals).parameters(), default=np.ndarray.tolist))
+
+    def made(**changed: object) -> CorrectedSimulator:
+        base = {"model": "generalised", "parameters": {**parameters, **changed}}
+        return CorrectedSimulator.from_parameters(interval=INTERVAL, base=base, effects=[])
+
+    bent = made().predict(signals.x)
+    assert np.std(bent - signals.y_sim) < 0.01 * np.std(signals.y_sim)
+    assert np.std(made(further={}).predict(signals.x) - signals.y_sim) > 0.05 * np.std(signals.y_sim)
+    for wrong in (
+        3.0, {"rope": {"sizes": [[1.0]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]]}},
+        {"kinks": {"sizes": [[0.1]], "weights": [1.0, 2.0]}}, {"kinks": {"sizes": [[0.1, 2.0]], "weights": [1.0]}},
+    ):  # fmt: skip
+        with pytest.raises(InputError) as told:
+            made(further=wrong)
+        assert "\n" not in str(told.value)
