@@ -46,8 +46,8 @@ class _CausalSignals(Signals):
 class CorrectedSimulator(HysteresisModel):
     """A simulator with the effects that a diagnosis found added to it.
 
-    ``fit`` identifies the built-in emulator alone, a Prandtl-Ishlinskii model with an elastic polynomial, Dahl bristles
-    and position-dependent width; ``hystbench diagnose`` adds effects.
+    ``fit`` identifies the built-in emulator alone, a Prandtl-Ishlinskii model with an elastic polynomial, Dahl bristles,
+    position-dependent width and such further elements as it needs; ``hystbench diagnose`` adds effects.
 
     ``from_parameters`` takes ``interval`` (s between samples, because effects depend on time), ``base`` (``model``: a
     registered id or ``"generalised"``, its ``parameters``, and for a registered model ``split``: parameters of the built-in

@@ -2,7 +2,8 @@
 
 With a saved model the answer to another input is the model's own. With only a table of outputs, an emulator is
 identified from it: elastic polynomial + stop operators and Dahl bristles (weights of one sign) + stops weighed by position +
-rate terms, a generalised Prandtl-Ishlinskii model. Where that is not good enough, registered models compete with it.
+rate terms, a generalised Prandtl-Ishlinskii model. Where that is not good enough, it takes in what simulators are made of
+besides (see :mod:`hystbench.diagnosis.elements`), and registered models compete with it.
 
 The simulator's own parameters may be off by a few per cent. To first order that adds a combination of the emulator's
 *tangent* columns, of two kinds: the fine structure of the loop (each element's torque and its change with the

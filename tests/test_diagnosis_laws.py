@@ -155,6 +155,16 @@ def test_a_fine_sensor_has_no_steps(make: Callable[[Floats], Floats]) -> None:
 # ---- operators ---------------------------------------------------------------------------------------------------------
 
 
+def test_a_torque_sensor_whose_zero_and_span_drift_is_one_effect() -> None:
+    time, x = motion()
+    warm = 1.0 - np.exp(-time / 12.0)
+    found = diagnosed(x, joint(x) * (1.0 - 0.04 * warm) + 0.08 * warm)
+    assert found.verdict == ["thermal_drift"]
+    values = found.choice.hypothesis.parameters("thermal_drift")
+    assert values["zero_drift"] == pytest.approx(0.08, rel=0.2)
+    assert values["stiffness_drift"] == pytest.approx(-0.04, rel=0.2)
+
+
 def test_a_free_load_stays_in_its_clearance_and_a_stiff_one_stays_where_it_was_left() -> None:
     time, x = motion()
     torque, speed = joint(x), np.gradient(x, time)
