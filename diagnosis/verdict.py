@@ -127,7 +127,6 @@ def _prior(evidence: Evidence, hypothesis: Hypothesis, gap: float) -> float:
 
 def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     """Weigh the hypotheses (the empty one first) and state the verdict."""
-    signals = evidence.scene.signals
     floor = evidence.sigma
     energy = max(float(np.mean(np.square(evidence.gap))) - floor**2, 1e-6 * floor**2)
     size = max(_size(evidence.gap), floor)
@@ -158,6 +157,29 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         # The simulator is off in any case: an effect beside must be needed, not only welcome.
         best, own = blank, blank.score
         refit = _judge_refit(evidence, best, energy)
+    scores = np.array([h.score + priors[id(h)] for h in ranked])
+    choice = _stated(evidence, found, ranked, scores, best, own, refit, energy)
+    if choice.verdict == [UNKNOWN] and evidence.is_beside_refit(best):
+        # Doubtful beside a simulator that is off in any case; which alone may leave no more than an inexact law.
+        refit = _judge_refit(evidence, blank, energy)
+        alone = _stated(evidence, found, ranked, scores, blank, blank.score, refit, energy)
+        if alone.verdict == [MISCALIBRATION]:
+            return alone
+    return choice
+
+
+def _stated(
+    evidence: Evidence,
+    found: Sequence[Hypothesis],
+    ranked: Sequence[Hypothesis],
+    scores: Floats,
+    best: Hypothesis,
+    own: float,
+    refit: _Refit,
+    energy: float,
+) -> Choice:
+    """The verdict that follows from the hypothesis ``best``, whose score is ``own``, among those ``ranked`` by ``scores``."""
+    signals, floor, blank = evidence.scene.signals, evidence.sigma, found[0]
     held, misfit_refit, miscalibrated = refit.held, refit.left, refit.miscalibrated
     expected = evidence.fitted and bool(best.terms)
 
@@ -166,7 +188,6 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     left = max(structured_power(after, signals.runs, signals.stride), 0.0)
     gap_power = max(structured_power(signals.gap * rows, signals.runs, signals.stride), 1e-6 * floor**2)
     tempered = TEMPERATURE * effective_share(misfit_refit, signals.runs)
-    scores = np.array([h.score + priors[id(h)] for h in ranked])
     posterior, odds = _weigh(evidence, ranked, scores, own, best, blank, tempered)
     others = [s for h, s in zip(ranked, scores, strict=True) if not _is_nested(h, best)]
     features = {

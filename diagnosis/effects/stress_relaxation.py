@@ -77,6 +77,19 @@ class StressRelaxation(Effect):
         times = geometric(max(low, span / 1500.0), high, 10)
         free = (0.0,), (np.inf,)
         limits = (low, 1.2 * high)
+
+        def branches(name: str, law: Columns, simpler: str) -> Form:
+            return Form(
+                name, ("share", "share_2"), law, (0.0,) * 2, (np.inf,) * 2, ("time_constant", "time_constant_2"), (),
+                [limits, limits], (simpler,), lambda shape, _: (max(0.4 * shape[0], low), min(2.5 * shape[0], high)),
+            )  # fmt: skip
+
+        def spectrum(name: str, law: Columns, simpler: str) -> Form:
+            return Form(
+                name, ("share", "share_2", "share_3"), _spectrum(law), (0.0,) * 3, (np.inf,) * 3, ("time_constant",), (),
+                [limits], (simpler,), lambda shape, _: (max(0.25 * shape[0], low),),
+            )  # fmt: skip
+
         pairs = [(a, b) for a in times[::2] for b in times[1::2] if b > 4.0 * a]
         return [
             Form("one branch", ("stiffness",), _of_deflection, *free, ("time_constant",), [(t,) for t in times], [limits]),
@@ -88,25 +101,12 @@ class StressRelaxation(Effect):
                  ("time_constant",), [(t,) for t in times[:7]], [limits]),
             Form("from the spring down", ("share",), _creep_of_spring, *free, ("time_constant",), [(t,) for t in times[::2]],
                  [limits]),
-            *(
-                form
-                for down, law in (("from the torque down", _creep), ("from the spring down", _creep_of_spring))
-                for form in (
-                    Form(f"{down}, two branches", ("share", "share_2"), law, (0.0,) * 2, (np.inf,) * 2,
-                         ("time_constant", "time_constant_2"), (), [limits, limits], (down,),
-                         lambda shape, _: (max(0.4 * shape[0], low), min(2.5 * shape[0], high))),
-                    Form(f"{down}, spectrum", ("share", "share_2", "share_3"), _spectrum(law), (0.0,) * 3, (np.inf,) * 3,
-                         ("time_constant",), (), [limits], (down,), lambda shape, _: (max(0.25 * shape[0], low),)),
-                )
-            ),
-            *(
-                Form(name, ("share", "share_2"), law, (0.0,) * 2, (np.inf,) * 2, ("time_constant", "time_constant_2"), (),
-                     [limits, limits], ("of the torque",), lambda shape, _: (max(0.4 * shape[0], low), min(2.5 * shape[0], high)))
-                for name, law in (("two branches of the torque", _of_torque), ("two branches of the spring", _of_spring))
-            ),
-            *(
-                Form(name, ("share", "share_2", "share_3"), law, (0.0,) * 3, (np.inf,) * 3, ("time_constant",), (), [limits],
-                     ("of the torque",), lambda shape, _: (max(0.25 * shape[0], low),))
-                for name, law in (("spectrum of the torque", _spectrum(_of_torque)), ("spectrum of the spring", _spectrum(_of_spring)))
-            ),
+            branches("from the torque down, two branches", _creep, "from the torque down"),
+            spectrum("from the torque down, spectrum", _creep, "from the torque down"),
+            branches("from the spring down, two branches", _creep_of_spring, "from the spring down"),
+            spectrum("from the spring down, spectrum", _creep_of_spring, "from the spring down"),
+            branches("two branches of the torque", _of_torque, "of the torque"),
+            branches("two branches of the spring", _of_spring, "of the torque"),
+            spectrum("spectrum of the torque", _of_torque, "of the torque"),
+            spectrum("spectrum of the spring", _of_spring, "of the torque"),
         ]  # fmt: skip
