@@ -61,7 +61,7 @@ STOPS = "stops"
 BRISTLES = 5
 PLACINGS = 4
 """Steps in which kinks are moved to their places."""
-EMULATED = 0.002
+EMULATED = 0.004
 """Error, as a share of the output, from which further elements are looked for."""
 PLACES = 4
 """Ways in which an element's torque may depend on where it is."""
@@ -356,22 +356,19 @@ class Generalised:
         return structure, bulk
 
     def _each(self, elements: Floats) -> Floats:
-        """Stops and bristles (n, all of them) with their weights, finer stops in as many groups as there are coarse ones.
-
-        A simulator's parameters are no more uncertain for being emulated more finely.
-        """
-        count = self.thresholds.size
-        group = np.concatenate([
-            np.rint(np.arange(count) * (ELEMENTS - 1) / (count - 1)), ELEMENTS + np.arange(self.lengths.size)
-        ]).astype(int)  # fmt: skip
-        sizes = np.bincount(group, np.abs(self.weights))
+        """Stops and bristles (n, all of them), each with its weight."""
+        count, sizes = self.thresholds.size, np.abs(self.weights)
+        every = (count - 1) // (ELEMENTS - 1)
         # An element that the sparse fit left out shares its neighbours' size: its parameters are unknown, not exact.
-        shared = 0.5 * np.convolve(sizes, np.ones(3) / 3.0, mode="same")
-        weighed = elements * np.abs(self.weights)
-        columns = np.column_stack([weighed[:, group == g].sum(axis=1) for g in range(sizes.size)])
-        central = np.concatenate([np.arange(0, count, (count - 1) // (ELEMENTS - 1)), np.arange(count, group.size)])
-        columns = np.where(shared > sizes, elements[:, central] * shared, columns)
-        return np.asarray(columns[:, np.maximum(sizes, shared) > 0.0])
+        coarse = np.concatenate([np.rint(np.arange(count) / every), ELEMENTS + np.arange(self.lengths.size)]).astype(
+            int
+        )
+        whole = np.bincount(coarse, sizes)
+        shared = 0.5 * np.convolve(whole, np.ones(3) / 3.0, mode="same")
+        central = np.concatenate([np.arange(0, count, every), np.arange(count, sizes.size)])
+        small = whole < shared
+        kept = ~small[coarse] & (sizes > 0.0)
+        return np.hstack([elements[:, kept] * sizes[kept], elements[:, central[small]] * shared[small]])
 
 
 def motion_of(signals: Signals) -> Motion:
