@@ -143,7 +143,7 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         return hypothesis.score - blank.score >= least
 
     if not simple.terms and not evidence.fitted:
-        best = next((h for h in ranked if len(h.terms) == 1 and is_needed(h)), best)
+        best = next((h for h in ranked if len(h.terms) == 1 and is_needed(h) and _is_nearer(h, blank)), best)
     refit = _judge_refit(evidence, best, energy)
     own = best.score + _prior(evidence, best, size)
     factor, rest = _one_factor(evidence, found, energy)
@@ -236,6 +236,11 @@ def _stated(
         verdict, stated, best, held, miscalibrated, left / gap_power, features,
         posterior, odds, list(ranked), _recalibration_rivals(evidence, verdict, best, own, found, tempered), step, frequency,
     )  # fmt: skip
+
+
+def _is_nearer(hypothesis: Hypothesis, blank: Hypothesis) -> bool:
+    """Whether the simulator is nearer to right beside an effect; else the effect only patches what its errors leave."""
+    return hypothesis.scale != blank.scale and all(a <= b for a, b in zip(hypothesis.scale, blank.scale, strict=True))
 
 
 def _size(series: Floats) -> float:
