@@ -15,7 +15,7 @@ from ..bench.arguments import time_argument
 from ..errors import InputError
 from ..models.base import HysteresisModel, Run, parameter_array, parameter_number
 from .diagnosis import Diagnosis
-from .elements import KINDS, Motion
+from .elements import ELASTIC, KINDS, Motion
 from .emulation import Emulator, Generalised, SimulatorScene, motion_of, predict_generalised
 from .evidence import Hypothesis, Term, effect_columns
 from .signals import Signals
@@ -170,6 +170,10 @@ def _checked_further(given: Any) -> dict[str, Any]:
         if kind not in KINDS or not isinstance(elements, Mapping) or set(elements) != {"sizes", "weights"}:
             raise InputError(f"parameter further: {kind!r} must be one of {', '.join(KINDS)}, with sizes and weights")
         sizes = parameter_array("sizes", elements["sizes"], (None, KINDS[kind].width))
+        if KINDS[kind].part != ELASTIC and (np.any(sizes < 0.0) or np.any(sizes[:, 0] == 0.0)):
+            raise InputError(
+                f"parameter further: sizes of {kind!r} must not be negative, and the first of each positive"
+            )
         weights = parameter_array("weights", elements["weights"], (sizes.shape[0],))
         checked[kind] = {"sizes": sizes.tolist(), "weights": weights.tolist()}
     return checked

@@ -360,9 +360,8 @@ class Generalised:
         count, sizes = self.thresholds.size, np.abs(self.weights)
         every = (count - 1) // (ELEMENTS - 1)
         # An element that the sparse fit left out shares its neighbours' size: its parameters are unknown, not exact.
-        coarse = np.concatenate([np.rint(np.arange(count) / every), ELEMENTS + np.arange(self.lengths.size)]).astype(
-            int
-        )
+        nearest = np.rint(np.arange(count) / every).astype(int)
+        coarse = np.concatenate([nearest, ELEMENTS + np.arange(self.lengths.size)])
         whole = np.bincount(coarse, sizes)
         shared = 0.5 * np.convolve(whole, np.ones(3) / 3.0, mode="same")
         central = np.concatenate([np.arange(0, count, every), np.arange(count, sizes.size)])

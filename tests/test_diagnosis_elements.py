@@ -178,7 +178,7 @@ def test_model_file_keeps_further_elements_and_tells_what_is_wrong_with_them() -
     assert np.std(made(further={}).predict(signals.x) - signals.y_sim) > 0.05 * np.std(signals.y_sim)
     for wrong in (
         3.0, {"rope": {"sizes": [[1.0]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]]}},
-        {"kinks": {"sizes": [[0.1]], "weights": [1.0, 2.0]}}, {"kinks": {"sizes": [[0.1, 2.0]], "weights": [1.0]}},
+        {"rubber": {"sizes": [[0.0]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]], "weights": [1.0, 2.0]}}, {"kinks": {"sizes": [[0.1, 2.0]], "weights": [1.0]}},
     ):  # fmt: skip
         with pytest.raises(InputError) as told:
             made(further=wrong)
