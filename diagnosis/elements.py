@@ -55,15 +55,15 @@ class Motion:
     acceleration: Floats
     runs: Sequence[slice]
 
-    def from_rest(self, answer: Callable[..., Floats], *others: Floats) -> Floats:
-        """What an operator answers, shape (n,), where each run comes from zero to where its recording begins.
+    def from_rest(self, answer: Callable[..., Floats], *others: Floats, **sizes: float) -> Floats:
+        """What an operator of given ``sizes`` answers, shape (n,), where each run comes from zero to where it begins.
 
         It is asked for the deflection and ``others`` (n,) along it.
         """
         answers = []
         for run in self.runs:
             given = [np.concatenate([[0.0], self.x[run]])] + [np.concatenate([o[run][:1], o[run]]) for o in others]
-            answers.append(answer(*given)[1:])
+            answers.append(answer(*given, **sizes)[1:])
         return np.concatenate(answers)
 
 
@@ -108,7 +108,7 @@ def _by_row(column: Callable[..., Floats]) -> Callable[[Motion, Floats], Floats]
     """Columns made one by one, each from its sizes."""
 
     def columns(motion: Motion, sizes: Floats) -> Floats:
-        return np.column_stack([np.empty((motion.x.size, 0)), *(column(motion, *row) for row in sizes)])
+        return np.column_stack([column(motion, *row) for row in sizes])
 
     return columns
 
@@ -118,13 +118,13 @@ def _kink(motion: Motion, place: float) -> Floats:
 
 
 def _rubber(motion: Motion, length: float) -> Floats:
-    return length * motion.from_rest(lambda x: hyperbolic(x, length))
+    return length * motion.from_rest(hyperbolic, length=length)
 
 
 def _stribeck(motion: Motion, length: float, pace: float, excess: float) -> Floats:
     """A LuGre element that yields at a level which falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1."""
     level = 1.0 + excess * np.exp(-np.square(motion.speed / pace))
-    return length * motion.from_rest(lambda x, along: yielding(x, along, length), level)
+    return length * motion.from_rest(yielding, level, length=length)
 
 
 def _smooth(motion: Motion, length: float, exponent: float, share: float) -> Floats:
@@ -249,9 +249,7 @@ def uncancelled(columns: Floats) -> Floats:
 
 def _made(further: Further) -> Iterator[tuple[Kind, Floats, Floats]]:
     for name, elements in further.items():
-        sizes, weights = np.asarray(elements["sizes"], dtype=np.float64), np.asarray(elements["weights"])
-        if weights.size:
-            yield KINDS[name], sizes, weights
+        yield KINDS[name], np.asarray(elements["sizes"], dtype=np.float64), np.asarray(elements["weights"])
 
 
 def _stretched(kind: Kind, motion: Motion, sizes: Floats) -> Floats:

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import itertools
 from collections import OrderedDict
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -170,7 +170,7 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
     if model is not None:
         return _of_model(model, signals, *own.tangent(), own.parameters())
     best = Emulator(
-        " with ".join(["generalised Prandtl-Ishlinskii", *([", ".join(own.further)] if own.further else [])]),
+        "generalised Prandtl-Ishlinskii" + (f" with {', '.join(own.further)}" if own.further else ""),
         own.error,
         own.predict,
         own.anew,
@@ -241,7 +241,7 @@ class Generalised:
         signals = self.signals
         self.sign = sign
         self.thresholds = _thresholds(self.reach, elements)
-        elastic, stops, placed = self._parts(signals.x, self.thresholds)
+        elastic, stops, placed = self._parts(self.thresholds)
         made = {name: KINDS[name].columns(self.motion, sizes) for name, sizes in further.items()}
         free = {"elastic": elastic, "placed": placed, "rates": self._rates()}
         free |= {name: made[name] for name in made if not KINDS[name].one_sign}
@@ -266,7 +266,7 @@ class Generalised:
     def _enlarged(self) -> tuple[int, dict[str, Floats]]:
         """How many stops, and the sizes of which further elements, are needed."""
         signals = self.signals
-        elastic, stops, placed = self._parts(signals.x, _thresholds(self.reach, FINER))
+        elastic, stops, placed = self._parts(_thresholds(self.reach, FINER))
         duration = max(float(signals.time[run][-1] - signals.time[run][0]) for run in signals.runs)
         extent = Extent(self.reach, self.fast, signals.interval, duration)
         sizes = {name: kind.sizes(extent) for name, kind in KINDS.items()}
@@ -277,8 +277,7 @@ class Generalised:
         }
         of_one_sign = [STOPS, *(name for name, kind in KINDS.items() if kind.one_sign)]
         selection = Selection(elements, signals.y_sim[some], of_one_sign)
-        every = (FINER - 1) // (ELEMENTS - 1)
-        few = np.concatenate([np.arange(0, FINER, every), np.arange(FINER, stops.shape[1])])
+        few = np.concatenate([np.arange(0, FINER, _spacing(FINER)), np.arange(FINER, stops.shape[1])])
         base = {STOPS: selection.places[STOPS][few], "others": selection.places["others"]}
         chosen = selection.grow(base, [STOPS, *KINDS], [KINKS])
         finer = chosen.pop(STOPS).size > few.size
@@ -293,7 +292,7 @@ class Generalised:
         moved = kinks_moved(self.motion, sizes, weights)
         left = self.signals.y_sim - self.predict(self.signals.x)
         kinks = KINDS[KINKS].columns(self.motion, sizes)
-        elastic, _, _ = self._parts(self.signals.x, self.thresholds)
+        elastic = _elastic(self.signals.x, self.reach)
         step = np.linalg.lstsq(np.hstack([moved, kinks, elastic]), left, rcond=1e-10)[0][: weights.size]
         most = 0.04 * self.reach
         return np.clip(sizes + np.clip(step, -most, most)[:, None], -self.reach, self.reach)
@@ -309,8 +308,11 @@ class Generalised:
             "further": self.further,
         }  # fmt: skip
 
-    def _parts(self, x: Floats, thresholds: Floats) -> tuple[Floats, Floats, Floats]:
-        return _parts(x, self.signals.runs, self.reach, thresholds, self.lengths)
+    def _parts(self, thresholds: Floats) -> tuple[Floats, Floats, Floats]:
+        """Columns of the elastic curve, of the elements with memory, and of stops weighed by position."""
+        elements, u = _elements(self.motion, thresholds, self.lengths), _place(self.motion.x, self.reach)
+        placed = elements[:, : thresholds.size][:, _placed(thresholds.size)]
+        return _elastic(self.motion.x, self.reach), elements, np.hstack([placed * w[:, None] for w in _weights(u)])
 
     def predict(self, x: Floats) -> Floats:
         signals = self.signals
@@ -332,7 +334,7 @@ class Generalised:
     def tangent(self) -> tuple[Floats, Floats]:
         """Columns (n, m) of structure and bulk, each the change for a relative error of one of some parameter."""
         x = self.signals.x
-        elastic, stops, placed = self._parts(x, self.thresholds)
+        elastic, stops, placed = self._parts(self.thresholds)
         # A spring has no torque at rest, so neither has the change of a stiffness; a preload may be off by itself.
         at_rest = np.polynomial.legendre.legvander(0.0, DEGREE)
         preload = np.full((x.size, 1), float(at_rest[0] @ self.elastic))
@@ -345,7 +347,7 @@ class Generalised:
         shapes = unit * np.array([size_odd if k % 2 == 0 else size_even for k in range(DEGREE)]) * 0.4
         small = 1e-3
         stretched = (self.predict((1.0 + small) * x) - self.predict((1.0 - small) * x)) / (2.0 * small)
-        stronger = _stronger(x, self.signals.runs, self.thresholds, self.lengths)
+        stronger = _stronger(self.motion, self.thresholds, self.lengths)
         fine, coarse = tangents(self.further, self.motion)
         structure = np.hstack([self._each(stops), self._each(stronger), fine])
         rates = self._rates() * self.rates
@@ -358,7 +360,7 @@ class Generalised:
     def _each(self, elements: Floats) -> Floats:
         """Stops and bristles (n, all of them), each with its weight."""
         count, sizes = self.thresholds.size, np.abs(self.weights)
-        every = (count - 1) // (ELEMENTS - 1)
+        every = _spacing(count)
         # An element that the sparse fit left out shares its neighbours' size: its parameters are unknown, not exact.
         nearest = np.rint(np.arange(count) / every).astype(int)
         coarse = np.concatenate([nearest, ELEMENTS + np.arange(self.lengths.size)])
@@ -379,24 +381,15 @@ def _thresholds(reach: float, count: int) -> Floats:
     return np.geomspace(0.004, 0.8, count) * reach
 
 
-def _parts(
-    x: Floats, runs: Sequence[slice], reach: float, thresholds: Floats, lengths: Floats
-) -> tuple[Floats, Floats, Floats]:
-    """Columns of the elastic curve, of the elements with memory, and of stops weighed by position."""
-    stops, signs = _elements(x, runs, thresholds, lengths)
-    u = _place(x, reach)
-    elastic: Floats = np.asarray(np.polynomial.legendre.legvander(u, DEGREE))
-    placed = np.hstack([stops[:, _placed(thresholds.size)] * weight[:, None] for weight in _weights(u)])
-    return elastic, np.hstack([stops, signs]), placed
+def _elastic(x: Floats, reach: float) -> Floats:
+    return np.asarray(np.polynomial.legendre.legvander(_place(x, reach), DEGREE))
 
 
-def _elements(x: Floats, runs: Sequence[slice], thresholds: Floats, lengths: Floats) -> tuple[Floats, Floats]:
-    """Stops and bristles, shapes (n, thresholds) and (n, lengths)."""
-    stops = x[:, None] - np.concatenate([plays(x[run], thresholds) for run in runs])
-    # Like the stops, bristles come from the virgin state at zero to where a recording begins.
-    whole = [np.concatenate([[0.0], x[run]]) for run in runs]
-    signs = [np.concatenate([bristle(way, length)[1:] for way in whole]) * length for length in lengths]
-    return stops, np.column_stack(signs) if signs else np.empty((x.size, 0))
+def _elements(motion: Motion, thresholds: Floats, lengths: Floats) -> Floats:
+    """Stops and then bristles, shape (n, thresholds + lengths)."""
+    stops = motion.x[:, None] - np.concatenate([plays(motion.x[run], thresholds) for run in motion.runs])
+    bristles = [length * motion.from_rest(bristle, length=length) for length in lengths]
+    return np.column_stack([stops, *bristles])
 
 
 def _place(x: Floats, reach: float) -> Floats:
@@ -404,9 +397,14 @@ def _place(x: Floats, reach: float) -> Floats:
     return np.asarray(np.clip(x / reach, -1.3, 1.3))
 
 
+def _spacing(elements: int) -> int:
+    """How many of so many stops there are for each coarse one."""
+    return max((elements - 1) // (ELEMENTS - 1), 1)
+
+
 def _placed(elements: int) -> slice:
     """Those stops whose torque may depend on where they are: the same ones however many there are between them."""
-    every = 2 * max((elements - 1) // (ELEMENTS - 1), 1)
+    every = 2 * _spacing(elements)
     return slice(every, None, every)
 
 
@@ -448,10 +446,10 @@ def strength_of(parameters: Mapping[str, Any], motion: Motion) -> Floats:
     """Change of the built-in emulator's output for a relative change by one of the strength of what has memory."""
     thresholds, lengths, weights = (np.asarray(parameters[name]) for name in ("thresholds", "lengths", "weights"))
     further = stronger_of(parameters.get("further", {}), motion)
-    return np.asarray(_stronger(motion.x, motion.runs, thresholds, lengths) @ weights + further)
+    return np.asarray(_stronger(motion, thresholds, lengths) @ weights + further)
 
 
-def _stronger(x: Floats, runs: Sequence[slice], thresholds: Floats, lengths: Floats) -> Floats:
+def _stronger(motion: Motion, thresholds: Floats, lengths: Floats) -> Floats:
     """Change of each element for a relative change by one of its strength at the same stiffness."""
-    wider, narrower = (np.hstack(_elements(x, runs, scale * thresholds, scale * lengths)) for scale in (1.05, 0.95))
+    wider, narrower = (_elements(motion, scale * thresholds, scale * lengths) for scale in (1.05, 0.95))
     return np.asarray((wider - narrower) / 0.1)

@@ -45,16 +45,12 @@ def solve(rows: Floats, free: int, samples: int) -> Floats:
     # with memory, so that what is elastic goes to the elastic curve and not to elements that hardly ever yield.
     strength = np.concatenate([np.full(free, 1e-7), np.full(scale.size - free, BIAS)])
     ridge = np.column_stack([np.diag(np.sqrt(strength * samples)), np.zeros(scale.size)])
-    whole = np.asarray(np.linalg.qr(np.vstack([ridge, np.column_stack([rows[:, :-1] / scale, rows[:, -1]])]), mode="r"))
+    whole = reduced([ridge, np.column_stack([rows[:, :-1] / scale, rows[:, -1]])])
     matrix, wanted = whole[:-1, :-1], whole[:-1, -1]
     # The free unknowns come first in the triangle: below their rows only the bounded ones are left.
     positive = nnls(matrix[free:, free:], wanted[free:], maxiter=50 * scale.size)[0]
     rest = np.linalg.solve(matrix[:free, :free], wanted[:free] - matrix[:free, free:] @ positive)
     return np.concatenate([rest, positive]) / scale
-
-
-def _joined(triangles: Sequence[Floats]) -> Floats:
-    return np.asarray(np.linalg.qr(np.vstack(triangles), mode="r"))
 
 
 class Selection:
@@ -75,7 +71,8 @@ class Selection:
         columns = np.hstack(list(elements.values()))
         self._samples = target.size
         self._parts = [triangle(columns[fold == k], target[fold == k]) for k in range(FOLDS)]
-        self._others = [_joined([part for j, part in enumerate(self._parts) if j != k]) for k in range(FOLDS)]
+        self._others = [reduced(part for j, part in enumerate(self._parts) if j != k) for k in range(FOLDS)]
+        self._whole = reduced(self._parts)
         self._bounded = frozenset(bounded)
         edges = np.cumsum([0, *(part.shape[1] for part in elements.values())]).tolist()
         self.places = {name: np.arange(a, b) for name, (a, b) in zip(elements, itertools.pairwise(edges), strict=True)}
@@ -98,7 +95,7 @@ class Selection:
     def best_of(self, candidates: Places, chosen: Mapping[str, Places]) -> Places:
         """The one of ``candidates`` that takes most of what the chosen elements leave, shape (1,)."""
         order, _ = self._ordered(chosen)
-        rows = _joined(self._parts)
+        rows = self._whole
         basis = np.linalg.qr(rows[:, order])[0]
         left = rows[:, [*candidates, -1]]
         left = left - basis @ (basis.T @ left)

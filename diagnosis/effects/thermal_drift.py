@@ -14,11 +14,7 @@ __all__ = ["ThermalDrift"]
 
 def _warming(scene: Scene, shape: tuple[float, ...]) -> Floats:
     t = scene.signals.elapsed
-    return 1.0 - np.exp(-t / shape[0]) if shape else t
-
-
-def _zero(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return _warming(scene, shape)[:, None]
+    return (1.0 - np.exp(-t / shape[0]) if shape else t)[:, None]
 
 
 def _self_heating(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -97,22 +93,22 @@ class ThermalDrift(Effect):
         warming = ("time_constant",), times, limits
         heating = ("time_constant",), times[1::2], limits
         heated = _form("stiffness, self-heating", stiffness, _of_stiffness(_self_heating), *heating)
-        warmed = _form("stiffness, exponential", stiffness, _of_stiffness(_zero), *warming)
+        warmed = _form("stiffness, exponential", stiffness, _of_stiffness(_warming), *warming)
         waved = _form("stiffness, slow wave", (*stiffness, "stiffness_drift_cos"), _of_stiffness(_wave), *waves)
         made = [
-            _form("zero, linear", zero, _zero),
-            _form("zero, exponential", zero, _zero, *warming),
+            _form("zero, linear", zero, _warming),
+            _form("zero, exponential", zero, _warming, *warming),
             _form("zero, self-heating", zero, _self_heating, *heating),
             _form("zero, slow wave", (*zero, "zero_drift_cos"), _wave, *waves),
             heated,
-            _form("stiffness, linear", stiffness, _of_stiffness(_zero)),
+            _form("stiffness, linear", stiffness, _of_stiffness(_warming)),
             warmed,
             waved,
-            _form("zero and stiffness, linear", zero + stiffness, _of_both(_zero)),
-            _form("zero and stiffness, exponential", zero + stiffness, _of_both(_zero), *warming),
+            _form("zero and stiffness, linear", zero + stiffness, _of_both(_warming)),
+            _form("zero and stiffness, exponential", zero + stiffness, _of_both(_warming), *warming),
             _form("zero and stiffness, self-heating", zero + stiffness, _of_both(_self_heating), *heating),
             *inside(heated, _self_heating),
-            *inside(warmed, _zero),
+            *inside(warmed, _warming),
             *inside(waved, _wave),
         ]
         for name, values in s.channels.items():
