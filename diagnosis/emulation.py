@@ -232,7 +232,10 @@ class Generalised:
             elements, further = self._enlarged()
             if elements > ELEMENTS or further:
                 self._identify(self.sign, elements, further)
-            for _ in range(PLACINGS if KINKS in self.further else 0):
+            for _ in range(PLACINGS):
+                # There are none, or none is left: a kink at the end of the stroke has no torque, so no weight either.
+                if KINKS not in self.further:
+                    break
                 further[KINKS] = self._placed_kinks()
                 self._identify(self.sign, elements, further)
 
