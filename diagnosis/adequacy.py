@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from .effects.base import INPUT
 from .evidence import Evidence, Hypothesis
 from .heldout import structured_power
-from .signals import Signals
 
 __all__ = ["ALMOST_ALL", "INEXACT_NEAR", "emulated", "forgiven", "forgiven_here", "left_by", "left_to_noise"]
 
@@ -29,21 +28,22 @@ NOT_NOISE = 1.2
 """What is left over beyond the noise, as a share of it, that cannot be an error in the noise's own size."""
 
 
-def left_to_noise(left: Floats, signals: Signals, floor: float) -> float:
-    """Structure left over, relative to the noise.
+def left_to_noise(evidence: Evidence, left: Floats) -> float:
+    """Structure left over, relative to the noise; ``left`` (n,) is zero where the evidence does not look.
 
     It is what lasts for several samples; where the rest is far above the noise, it counts whole, for a fast hum does not
     last and is no noise either. What knocks for a moment (flanks that meet, a stop that is hit) is cut off at what lasts.
     """
+    signals, floor, looked = evidence.scene.signals, evidence.sigma, float(np.mean(evidence.rows))
     left = np.clip(left, -KNOCK * floor, KNOCK * floor)
-    lasting = float(np.sqrt(max(structured_power(left, signals.runs, signals.stride), 0.0)) / floor)
-    whole = float(np.sqrt(max(float(np.mean(np.square(left))) / floor**2 - 1.0, 0.0)))
+    lasting = float(np.sqrt(max(structured_power(left, signals.runs, signals.stride) / looked, 0.0)) / floor)
+    whole = float(np.sqrt(max(float(np.mean(np.square(left))) / looked / floor**2 - 1.0, 0.0)))
     return max(lasting, whole if whole > NOT_NOISE else 0.0)
 
 
 def left_by(evidence: Evidence, hypothesis: Hypothesis) -> float:
     """Structure that a hypothesis and the simulator beside it leave, relative to the noise."""
-    return left_to_noise(evidence.left_over(hypothesis), evidence.scene.signals, evidence.sigma)
+    return left_to_noise(evidence, evidence.left_over(hypothesis))
 
 
 def forgiven_here(evidence: Evidence, gap: float, bent: bool) -> float:

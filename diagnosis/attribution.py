@@ -44,13 +44,13 @@ def _hats(values: Floats, count: int = KNOTS) -> Floats:
     return made[:, 1:]
 
 
-def _basis(name: str, values: Floats, signals: Signals) -> Floats:
+def _basis(name: str, values: Floats, torque: Floats) -> Floats:
     """What a coordinate alone can explain; odd in the direction of motion as well as even."""
     if name == "direction":
         return values[:, None]
     smooth = _hats(values)
     # A mean over time, travel or load of what changes sign with the torque is nil: such coordinates modulate it.
-    carrier = signals.y_sim / max(float(np.std(signals.y_sim)), 1e-300)
+    carrier = torque / max(float(np.std(torque)), 1e-300)
     if name in ("time", "travel", "amplitude", "distance_since_reversal") or name not in COORDINATES:
         return np.hstack([smooth, smooth * carrier[:, None]])
     return smooth
@@ -66,10 +66,13 @@ def locate(signals: Signals, explained: dict[str, Floats], floor: float, seed: i
     floor : float
         Standard deviation of the noise: its energy belongs to no coordinate.
     """
-    rest = signals.gap - sum(explained.values(), np.zeros_like(signals.gap))
-    coordinates = signals.coordinates
+    rows = signals.judged
+    explained = {name: part[rows] for name, part in explained.items()}
+    gap = signals.gap[rows]
+    rest = gap - sum(explained.values(), np.zeros_like(gap))
+    coordinates = {name: values[rows] for name, values in signals.coordinates.items()}
     names = [name for name in coordinates if np.ptp(coordinates[name]) > 0.0]
-    blocks = [_basis(name, coordinates[name], signals) for name in names]
+    blocks = [_basis(name, coordinates[name], signals.y_sim[rows]) for name in names]
     widths = [block.shape[1] for block in blocks]
     ends = np.cumsum([1, *widths])
     design = np.hstack([np.ones((rest.size, 1)), *blocks, rest[:, None]])
@@ -103,7 +106,7 @@ def locate(signals: Signals, explained: dict[str, Floats], floor: float, seed: i
         low, high = np.percentile([d[name] for d in drawn], [5.0, 95.0])
         made.append(Place(
             name, whole[name], (min(float(low), whole[name]), max(float(high), whole[name])),
-            _range(coordinates[name], explained.get(name, signals.gap)),
+            _range(coordinates[name], explained.get(name, gap)),
         ))  # fmt: skip
     return made
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any, ClassVar
@@ -16,7 +17,15 @@ from ..errors import InputError
 from ..models.base import HysteresisModel, Run, parameter_array, parameter_number
 from .diagnosis import Diagnosis
 from .elements import ELASTIC, KINDS, Motion
-from .emulation import Emulator, Generalised, SimulatorScene, motion_of, predict_generalised
+from .emulation import (
+    Emulator,
+    Generalised,
+    SimulatorScene,
+    emulate,
+    motion_of,
+    predict_generalised,
+    spring_of,
+)
 from .evidence import Hypothesis, Term, effect_columns
 from .signals import Signals
 from .verdict import MISCALIBRATION, UNKNOWN
@@ -189,13 +198,14 @@ def _named(found: Diagnosis) -> Hypothesis | None:
 
 
 def corrected_simulator(found: Diagnosis, model: Any | None) -> CorrectedSimulator:
-    """The simulator (or its emulator, where only its output was given) with the verdict's effects.
+    """The simulator, or its emulator where only its output was given, as the verdict says it should be.
 
-    Effects that follow a measured channel are left out, because a model file sees the deflection alone; the formula
-    has them.
+    Where its own parameters are off it is calibrated anew, a model of a registered kind as such a model; the verdict's
+    effects are added. Effects that follow a measured channel are left out, because a model file sees the deflection
+    alone, and then it is not calibrated beside them either; the formula has them.
     """
     hypothesis = _named(found)
-    entries, start = [], 0
+    entries, start, whole = [], 0, True
     terms, coefficients = (hypothesis.terms, hypothesis.coefficients) if hypothesis else ((), np.empty(0))
     for term in terms:
         width = len(term.form.coefficients)
@@ -204,28 +214,61 @@ def corrected_simulator(found: Diagnosis, model: Any | None) -> CorrectedSimulat
                 "effect": term.effect.id, "form": term.form.name, "shape": list(term.shape),
                 "coefficients": coefficients[start : start + width].tolist(),
             })  # fmt: skip
+        else:
+            whole = False
         start += width
-    base = found.evidence.scene.emulator.parameters
+    emulator = found.evidence.scene.emulator
+    base = (_calibrated(found, model) if found.choice.miscalibrated and whole else emulator).parameters
     made = CorrectedSimulator.from_parameters(interval=found.signals.interval, base=base, effects=entries)
     made.interval = found.signals.interval
     made.x_scale_ = float(np.max(np.abs(found.signals.x)))
     return made
 
 
-def formula(found: Diagnosis) -> str:
-    """What to add to the simulator, with the fitted values; empty if the verdict names no effect."""
-    hypothesis = _named(found)
-    if hypothesis is None:
-        return ""
+def _calibrated(found: Diagnosis, model: Any | None) -> Emulator:
+    """The simulator with its own parameters where they should be, beside the verdict's effects."""
+    # First-order changes of parameters are no parameters: one is identified from the output that they make.
+    signals = replace(found.signals, y_sim=found.signals.y_sim + found.recalibration)
+    if model is None:
+        return emulate(signals, None)
+    try:
+        again = type(model)()
+        again.fit(signals.x, signals.y_sim, signals.groups, **time_argument(again.fit, signals.time))
+    except (AttributeError, InputError, np.linalg.LinAlgError, RuntimeError, TypeError):
+        # Not every model can be fitted anew.
+        return emulate(signals, None)
+    return emulate(signals, again)
+
+
+def formula(found: Diagnosis, corrected: CorrectedSimulator) -> str:
+    """What to change in the simulator, with the fitted values; empty if there is nothing to change."""
     lines = []
-    for term in hypothesis.terms:
-        values = ", ".join(f"{name} = {value:.6g}" for name, value in hypothesis.parameters(term.effect.id).items())
-        units = {p.name: p.unit for p in term.effect.parameters}
-        told = ", ".join(
-            f"{name} in {units[name]}" for name in hypothesis.parameters(term.effect.id) if units.get(name)
-        )
+    hypothesis = _named(found)
+    if MISCALIBRATION in found.verdict:
+        spring, friction = _factors(found, corrected)
         lines.append(
-            f"{term.effect.title} ({term.form.name}): {term.effect.equation}\n    {values}"
+            f"calibrate the simulator's own parameters anew (corrected.json holds the result): by and large its elastic torque "
+            f"times {spring:.3g}, what has memory times {friction:.3g}"
+        )
+    for term in () if hypothesis is None else hypothesis.terms:
+        parameters = found.choice.hypothesis.parameters(term.effect.id)
+        values = ", ".join(f"{name} = {value:.6g}" for name, value in parameters.items())
+        units = {p.name: p.unit for p in term.effect.parameters}
+        told = ", ".join(f"{name} in {units[name]}" for name in parameters if units.get(name))
+        lines.append(
+            f"add {term.effect.title} ({term.form.name}): {term.effect.equation}\n    {values}"
             + (f"   [{told}]" if told else "")
         )
     return "\n".join(lines)
+
+
+def _factors(found: Diagnosis, corrected: CorrectedSimulator) -> tuple[float, float]:
+    """By how much the elastic part and the part with memory of the calibrated simulator exceed those of the given one."""
+    emulator, base = found.evidence.scene.emulator, corrected.parameters_["base"]
+    split = base["parameters"] if base["model"] == "generalised" else base["split"]
+    x, motion = found.signals.x, motion_of(found.signals)
+    made = []
+    for part in (spring_of, lambda given, _: predict_generalised(given, motion) - spring_of(given, x)):
+        before, after = (part(given, x) for given in (emulator.split, split))
+        made.append(float(after @ before) / max(float(before @ before), 1e-300))
+    return made[0], made[1]

@@ -81,6 +81,12 @@ class Diagnosis:
     next_recording: dict[str, Any] | None = None
     notes: list[str] = field(default_factory=list)
 
+    @property
+    def recalibration(self) -> Floats:
+        """What calibrating the simulator anew beside the best explanation adds to its output, N·m, shape (n,)."""
+        hypothesis = self.choice.hypothesis
+        return self.evidence.absorbed((self.signals.gap - hypothesis.signal)[self.evidence.rows], hypothesis.scale)
+
     def document(self) -> dict[str, Any]:
         """The diagnosis as CONTRACT's JSON document."""
         return {
@@ -186,7 +192,7 @@ def diagnose(
     calm = False
     if not fitted and np.mean(signals.knocks) > FEW and (choice.verdict == [UNKNOWN] or len(_named(choice)) > 1):
         # What knocks may have asked for more than there is, or have hidden what there is.
-        again = _explain(Evidence(scene, ~signals.knocks, fitted=fitted), effects)
+        again = _explain(Evidence(scene, signals.judged & ~signals.knocks, fitted=fitted), effects)
         if _is_better(signals, again[2], choice, seed):
             evidence, found, choice = again
             calm = True
@@ -194,7 +200,7 @@ def diagnose(
 
     blank = next(h for h in found if not h.terms)
     recalibrated = held_out(evidence, evidence.fit((), (max(blank.by_scale, key=lambda s: blank.by_scale[s]),)), 0)
-    _, closed_by_recalibration, _ = closed_share(signals.gap, signals.gap - recalibrated.recalibration, floor, seed)
+    _, closed_by_recalibration, _ = _closed_by(signals, recalibrated.recalibration, seed)
     reports = _effect_reports(evidence, found, choice, floor, seed)
     closed_in_all = _closed(signals, choice, seed)
     if MISCALIBRATION in choice.verdict:
@@ -227,7 +233,7 @@ def diagnose(
         signals=signals,
         verdict=choice.verdict,
         confidence=choice.confidence,
-        rmse=float(np.sqrt(np.mean(np.square(signals.gap)))),
+        rmse=_rms(signals.gap[signals.judged]),
         noise_floor=floor,
         closed_by_recalibration=closed_by_recalibration,
         closed_in_all=closed_in_all,
@@ -256,8 +262,18 @@ def _named(choice: Choice) -> list[str]:
 
 
 def _closed(signals: Signals, choice: Choice, seed: int) -> float:
-    after = signals.gap - choice.held.signal - (choice.held.recalibration if choice.miscalibrated else 0.0)
-    return closed_share(signals.gap, after, signals.noise_floor, seed)[1]
+    recalibration = choice.held.recalibration if choice.miscalibrated else 0.0
+    return _closed_by(signals, choice.held.signal + recalibration, seed)[1]
+
+
+def _closed_by(signals: Signals, part: Floats, seed: int) -> tuple[float, float, list[float]]:
+    """RMS of what ``part`` (n,) leaves of the gap, the share that it closes and its interval."""
+    gap, rows = signals.gap, signals.judged
+    return closed_share(gap[rows], (gap - part)[rows], signals.noise_floor, seed)
+
+
+def _rms(series: Floats) -> float:
+    return float(np.sqrt(np.mean(np.square(series))))
 
 
 def _is_better(signals: Signals, calm: Choice, whole: Choice, seed: int) -> bool:
@@ -321,7 +337,7 @@ def _report(
     evidence: Evidence, hypothesis: Hypothesis, held: HeldOut, name: str, probability: float, floor: float, seed: int
 ) -> EffectReport:
     signals = evidence.scene.signals
-    rmse, closed, interval = closed_share(signals.gap, signals.gap - held.parts[name], floor, seed)
+    rmse, closed, interval = _closed_by(signals, held.parts[name], seed)
     left = evidence.left_over(hypothesis)
     exact = np.sqrt(max(structured_power(left, signals.runs, signals.stride), 0.0)) <= EXACT * floor
     term = next(t for t in hypothesis.terms if t.effect.id == name)
@@ -332,7 +348,7 @@ def _report(
 
 
 def _recalibration_report(signals: Signals, choice: Choice, floor: float, seed: int) -> EffectReport:
-    rmse, closed, interval = closed_share(signals.gap, signals.gap - choice.held.recalibration, floor, seed)
+    rmse, closed, interval = _closed_by(signals, choice.held.recalibration, seed)
     scale = choice.hypothesis.scale
     return EffectReport(
         MISCALIBRATION, choice.confidence, rmse, closed, interval, "adequate",
@@ -358,13 +374,14 @@ def _ambiguities(choice: Choice) -> list[list[str]]:
 
 
 def _waterfall(signals: Signals, choice: Choice, named: Sequence[str]) -> list[tuple[str, float]]:
-    left = signals.gap
-    steps = [("the simulator as it is", float(np.sqrt(np.mean(np.square(left)))))]
-    parts = {name: choice.held.parts[name] for name in named}
+    rows = signals.judged
+    left = signals.gap[rows]
+    steps = [("the simulator as it is", _rms(left))]
+    parts = {name: choice.held.parts[name][rows] for name in named}
     if choice.miscalibrated:
-        parts[MISCALIBRATION] = choice.held.recalibration
+        parts[MISCALIBRATION] = choice.held.recalibration[rows]
     while parts:
-        name = min(parts, key=lambda n: float(np.mean(np.square(left - parts[n]))))
+        name = min(parts, key=lambda n: _rms(left - parts[n]))
         left = left - parts.pop(name)
-        steps.append((name, float(np.sqrt(np.mean(np.square(left))))))
+        steps.append((name, _rms(left)))
     return steps

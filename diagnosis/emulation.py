@@ -103,6 +103,8 @@ class Emulator:
     bulk: Floats
     parameters: Mapping[str, Any]
     split: Mapping[str, Any]
+    refitted: bool = False
+    """Whether ``predict`` is of the simulator fitted again beside an effect on its input, not as it is."""
 
 
 class SimulatorScene:
@@ -121,6 +123,10 @@ class SimulatorScene:
     def torque_change(self, x: Floats) -> Floats:
         """Change of the simulator's output if its input were ``x`` (n,), N·m."""
         return self.emulator.predict(x) - self._base
+
+    def torque_at(self, x: Floats) -> Floats:
+        """The torque so far if the input were ``x`` (n,), N·m."""
+        return self.emulator.predict(x) if self.emulator.refitted else self.torque + self.torque_change(x)
 
     @property
     def spring(self) -> Floats:
@@ -246,11 +252,12 @@ class Generalised:
         self.thresholds = _thresholds(self.reach, elements)
         elastic, stops, placed = self._parts(self.thresholds)
         made = {name: KINDS[name].columns(self.motion, sizes) for name, sizes in further.items()}
-        free = {"elastic": elastic, "placed": placed, "rates": self._rates()}
+        free = {ELASTIC: elastic, "placed": placed, "rates": self._rates()}
         free |= {name: made[name] for name in made if not KINDS[name].one_sign}
         bounded = {STOPS: sign * stops} | {name: sign * made[name] for name in made if KINDS[name].one_sign}
         columns = np.hstack([*free.values(), *bounded.values()])
-        solution = solve(triangle(columns, signals.y_sim), sum(part.shape[1] for part in free.values()), signals.x.size)
+        several = sum(part.shape[1] for part in free.values())
+        solution = solve(triangle(columns, signals.y_sim), elastic.shape[1], several, signals.x.size)
         self.error = _relative_error(columns @ solution, signals.y_sim)
         edges = np.cumsum([0, *(part.shape[1] for part in (*free.values(), *bounded.values()))]).tolist()
         found = {
@@ -258,7 +265,7 @@ class Generalised:
             for name, (a, b) in zip([*free, *bounded], itertools.pairwise(edges), strict=True)
         }
         self.elastic, self.placed, self.rates, self.weights = (
-            found.pop(name) for name in ("elastic", "placed", "rates", STOPS)
+            found.pop(name) for name in (ELASTIC, "placed", "rates", STOPS)
         )
         self.further = {
             name: {"sizes": further[name][weights != 0.0], "weights": weights[weights != 0.0]}
@@ -274,17 +281,18 @@ class Generalised:
         extent = Extent(self.reach, self.fast, signals.interval, duration)
         sizes = {name: kind.sizes(extent) for name, kind in KINDS.items()}
         some = spread(signals.x.size)
-        elements = {STOPS: self.sign * stops[some], "others": np.hstack([elastic, placed, self._rates()])[some]} | {
+        others = np.hstack([placed, self._rates()])[some]
+        elements = {STOPS: self.sign * stops[some], ELASTIC: elastic[some], "others": others} | {
             name: (self.sign if kind.one_sign else 1.0) * kind.columns(self.motion, sizes[name])[some]
             for name, kind in KINDS.items()
         }
         of_one_sign = [STOPS, *(name for name, kind in KINDS.items() if kind.one_sign)]
         selection = Selection(elements, signals.y_sim[some], of_one_sign)
         few = np.concatenate([np.arange(0, FINER, _spacing(FINER)), np.arange(FINER, stops.shape[1])])
-        base = {STOPS: selection.places[STOPS][few], "others": selection.places["others"]}
+        base = {STOPS: selection.places[STOPS][few]} | {name: selection.places[name] for name in (ELASTIC, "others")}
         chosen = selection.grow(base, [STOPS, *KINDS], [KINKS])
         finer = chosen.pop(STOPS).size > few.size
-        del chosen["others"]
+        del chosen[ELASTIC], chosen["others"]
         return FINER if finer else ELEMENTS, {
             name: sizes[name][at - selection.places[name][0]] for name, at in chosen.items()
         }

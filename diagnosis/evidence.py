@@ -191,7 +191,7 @@ class Evidence:
     ----------
     scene : SimulatorScene
     rows : bool array, shape (n,), optional
-        Samples that count (default: all).
+        Samples that count (default: all that are judged).
     fitted : bool
         Whether the simulator was fitted to data that contain what it lacks.
     """
@@ -206,7 +206,7 @@ class Evidence:
         self.fitted = fitted
         self.plausibility = FITTED if fitted else PLAUSIBILITY
         self.scales = tuple(self.plausibility)
-        self.rows = np.ones(scene.torque.size, dtype=bool) if rows is None else rows
+        self.rows = scene.signals.judged if rows is None else rows
         self._whole = bool(self.rows.all())
         self.gap = scene.signals.gap[self.rows]
         self.thinning = trusted(self.gap.size) / max(self.gap.size, 1)

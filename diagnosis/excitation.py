@@ -143,7 +143,7 @@ def margins(found: Diagnosis, time: Floats, x: Floats) -> list[float]:
         step = -(-x.size // MOST_SAMPLES)
         time, x, share = time[::step], x[::step], share * step
     y_sim = found.evidence.scene.emulator.anew(x)
-    blank = Signals(time, x, y_sim, y_sim, [slice(0, x.size)], {})
+    blank = Signals(time, x, y_sim, y_sim, [slice(0, x.size)], _as_recorded(found.signals, time))
     scene = SimulatorScene(blank, emulate(blank, None))
     enough = SETTLED / TEMPERATURE
     certain = max(CLEARLY * SAME_BY_EYE * trusted(together), enough + 1.0)
@@ -154,6 +154,12 @@ def margins(found: Diagnosis, time: Floats, x: Floats) -> list[float]:
         brought = share * min(_brought(found, scene, true, false) for true, false in orders)
         made.append((brought - enough) / (certain - enough))
     return made
+
+
+def _as_recorded(signals: Signals, time: Floats) -> dict[str, Floats]:
+    """What the channels would be at ``time`` (n,) if they went as they did in the first recording, shapes (n,)."""
+    first = signals.runs[0]
+    return {name: np.interp(time, signals.elapsed[first], values[first]) for name, values in signals.channels.items()}
 
 
 def _brought(found: Diagnosis, scene: SimulatorScene, true: str, false: str) -> float:

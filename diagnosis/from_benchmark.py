@@ -71,14 +71,13 @@ def diagnose_as_is_or_fitted(
 
 
 def gap_signals(model: Any, dataset: Dataset) -> Signals:
-    """The test recordings and the model's predictions of them, from the end of each warm-up.
+    """The test recordings and the model's predictions of them; warm-ups make memory, but are not judged.
 
     Channels that hold published predictions are left out: they are no measurements.
     """
-    outputs = outputs_of(model, dataset.test)
-    scored = [_scored(recording, set(dataset.references.values())) for recording in dataset.test]
-    cut = [output[recording.warm_up :] for output, recording in zip(outputs, dataset.test, strict=True)]
-    signals = signals_from(scored, cut, [f"{dataset.id}: {recording.name}" for recording in dataset.test])
+    recordings = [_measured(recording, set(dataset.references.values())) for recording in dataset.test]
+    names = [f"{dataset.id}: {recording.name}" for recording in dataset.test]
+    signals = signals_from(recordings, outputs_of(model, dataset.test), names)
     return replace(signals, unit=dataset.y_unit, timed=dataset.timed)
 
 
@@ -87,14 +86,6 @@ def _of_sensors() -> set[str]:
     return {*ENCODER_ERRORS, *(name for name in registry.ids() if registry.get(name).acts_on == SENSOR)}
 
 
-def _scored(recording: Recording, without: set[str]) -> Recording:
-    """What comes after the warm-up, where the model's memory no longer depends on an unrecorded history."""
-    start = recording.warm_up
-    return replace(
-        recording,
-        time=recording.time[start:],
-        x=recording.x[start:],
-        y=recording.y[start:],
-        warm_up=0,
-        channels={name: values[start:] for name, values in recording.channels.items() if name not in without},
-    )
+def _measured(recording: Recording, without: set[str]) -> Recording:
+    channels = {name: values for name, values in recording.channels.items() if name not in without}
+    return replace(recording, channels=channels)

@@ -105,10 +105,9 @@ def signals_from(recordings: Sequence[Recording], outputs: Sequence[Floats], nam
         If a recording is too short, does not move, or its output or the gap cannot be judged.
     """
     for recording, output, name in zip(recordings, outputs, names, strict=True):
-        if recording.x.size < MINIMUM_SAMPLES:
-            raise InputError(
-                f"{name}: {recording.x.size} samples are too few to diagnose; record at least {MINIMUM_SAMPLES}"
-            )
+        judged = recording.x.size - recording.warm_up
+        if judged < MINIMUM_SAMPLES:
+            raise InputError(f"{name}: {judged} samples are too few to diagnose; record at least {MINIMUM_SAMPLES}")
         for label, values in (("deflection", recording.x), ("torque", recording.y), ("simulated torque", output)):
             bad = np.flatnonzero(~np.isfinite(values))
             if bad.size:
@@ -148,4 +147,5 @@ def signals_from(recordings: Sequence[Recording], outputs: Sequence[Floats], nam
             if name in shared
         },
         timed=not any(r.conditions.get("untimed") for r in recordings),
+        warm_up=np.concatenate([np.arange(r.x.size) < r.warm_up for r in recordings]),
     )

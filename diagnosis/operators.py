@@ -108,7 +108,7 @@ def _free_flight(time, x, speed, torque, half, frequency, gap, free, hit):
     for i in range(1, x.size):
         moved, dt = x[i] - x[i - 1], time[i] - time[i - 1]
         hit[i] = 0.0
-        if not flying and torque[i] * side < 0.0 and moved * side < 0.0:
+        if not flying and torque[i] * side <= 0.0 and moved * side < 0.0:
             flying, since, start = True, 0.0, speed[i]
         if flying:
             load = start * (np.sin(frequency * (since + dt)) - np.sin(frequency * since)) / frequency

@@ -9,15 +9,16 @@ may have gone; beside these every effect is judged.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
 
 from ..bench.arguments import time_argument
 from ..errors import InputError
-from .effects.base import INPUT, Effect
+from .effects.base import INPUT, Effect, Form
 from .emulation import Emulator, SimulatorScene, answers_of
 from .evidence import boxed_least_squares
 from .signals import Signals
@@ -25,7 +26,8 @@ from .signals import Signals
 __all__ = ["refitted_beside"]
 
 Floats = NDArray[np.float64]
-ROUNDS = 3
+SIZES, STEPS = 5, 6
+"""Sizes of each law of an effect on the input beside which the model is fitted, and then about the best."""
 STEP = 0.1
 """Relative error of the bulk that stands for one whole refit."""
 PROMISING = 0.03
@@ -56,21 +58,23 @@ def refitted_beside(signals: Signals, model: Any, emulator: Emulator, effects: S
     Emulator
         The given one where the model cannot be fitted to these recordings, or stays what it is.
     """
-    first = _again(signals, model, emulator, np.zeros_like(signals.gap))
+    first = _again(signals, model, emulator, signals.x, signals.y_real)
     if first is None:
         return emulator
-    changes = [first.torque - signals.y_sim]
+    changes, on_input = [first.scene.torque - signals.y_sim], first
     for effect in effects:
-        beside = first
-        # What an effect on the input adds depends on the model, so it is asked again beside the one fitted with it.
-        for _ in range(ROUNDS if effect.acts_on == INPUT else 1):
-            added = _best_alone(effect, beside)
-            again = None if added is None else _again(signals, model, emulator, added)
-            if again is None:
-                break
-            beside = again
-        if beside is not first:
-            changes.append(beside.torque - signals.y_sim)
+        if effect.acts_on == INPUT:
+            beside = _best_on_input(effect, signals, model, first)
+            if beside is not None and beside.left < on_input.left:
+                on_input = beside
+        else:
+            added = _best_alone(effect, first.scene)
+            beside = None if added is None else _again(signals, model, emulator, signals.x, signals.y_real - added)
+        if beside is not None:
+            changes.append(beside.scene.torque - signals.y_sim)
+    if on_input.left < (1.0 - PROMISING) * first.left:
+        # What an effect on the input adds is asked of the model that it was fitted beside.
+        emulator = on_input.scene.emulator
     left, size, _ = np.linalg.svd(np.column_stack(changes), full_matrices=False)
     kept = size > max(DISTINCT * size[0], 1e-9 * float(np.linalg.norm(signals.y_real)))
     if not np.any(kept):
@@ -78,33 +82,96 @@ def refitted_beside(signals: Signals, model: Any, emulator: Emulator, effects: S
     return replace(emulator, structure=np.empty((signals.x.size, 0)), bulk=left[:, kept] * size[kept] / STEP)
 
 
-def _again(signals: Signals, model: Any, emulator: Emulator, explained: Floats) -> SimulatorScene | None:
-    """The recording beside a model like this one, fitted to it less what is explained (n,); None where it cannot be."""
+@dataclass(frozen=True)
+class _Refit:
+    """A model fitted again: the recording beside it, and the energy that it leaves of what it was fitted to."""
+
+    scene: SimulatorScene
+    left: float
+
+
+def _again(signals: Signals, model: Any, emulator: Emulator, x: Floats, y: Floats) -> _Refit | None:
+    """A model like this one fitted to ``y`` (n,) over the deflection ``x`` (n,); None where it cannot be."""
     try:
         again = type(model)()
-        time = time_argument(again.fit, signals.time)
-        again.fit(signals.x, signals.y_real - explained, signals.groups, **time)
+        again.fit(x, y, signals.groups, **time_argument(again.fit, signals.time))
         answers = answers_of(again, signals)
-        output = answers(signals.x)
+        output, reached = answers(signals.x), answers(x)
     except (AttributeError, InputError, np.linalg.LinAlgError, RuntimeError, TypeError):
         # Not every model can be fitted anew, or to everything.
         return None
-    if not np.all(np.isfinite(output)):
+    if not (np.all(np.isfinite(output)) and np.all(np.isfinite(reached))):
         return None
-    return SimulatorScene(replace(signals, y_sim=output), replace(emulator, predict=answers), base=output)
+    emulator = replace(emulator, predict=answers, refitted=True)
+    scene = SimulatorScene(replace(signals, y_sim=output), emulator, base=output)
+    return _Refit(scene, float(np.sum(np.square(y - reached)[signals.judged])))
+
+
+class _Asking(SimulatorScene):
+    """Notes the deflection at which an effect asks for the simulator's torque."""
+
+    asked: Floats | None = None
+
+    def torque_change(self, x: Floats) -> Floats:
+        self.asked = x
+        return super().torque_change(x)
+
+
+def _best_on_input(effect: Effect, signals: Signals, model: Any, first: _Refit) -> _Refit | None:
+    """The model fitted to the deflection that the effect leaves, for the law and the size beside which it fits best.
+
+    Model and effect are fitted together: a model that was fitted without a clearance is soft where it should be stiff,
+    and asks for next to none.
+    """
+    laws = (f for f in effect.forms(first.scene) if len(f.shapes) == 1 and tuple(f.lower) == (1.0,) and f.grid)
+    made = [found for found in (_best_beside(law, signals, model, first) for law in laws) if found is not None]
+    return min(made, key=lambda refit: refit.left, default=None)
+
+
+def _best_beside(law: Form, signals: Signals, model: Any, first: _Refit) -> _Refit | None:
+    """The model fitted beside the best size of one law; None if none is better than no effect."""
+    sizes = [shape[0] for shape in law.grid[:: -(-len(law.grid) // SIZES)]]
+    tried: dict[float, _Refit] = {}
+    last = first
+
+    def left(size: float) -> float:
+        # Where the effect acts may depend on the torque: the model fitted beside a smaller one tells it.
+        emulator = last.scene.emulator
+        scene = _Asking(signals, emulator, base=last.scene.torque)
+        law.columns(scene, (size,))
+        found = None if scene.asked is None else _again(signals, model, emulator, scene.asked, signals.y_real)
+        if found is None:
+            return np.inf
+        tried[size] = found
+        return found.left
+
+    for size in sizes:
+        # A fit takes its time: from small to large, until it gets worse.
+        if left(size) >= last.left:
+            break
+        last = tried[size]
+    if last is first:
+        return None
+    k = next(k for k, size in enumerate(sizes) if tried[size] is last)
+    low, high = sorted((sizes[max(k - 1, 0)], sizes[min(k + 1, len(sizes) - 1)]))
+    minimize_scalar(left, bounds=(low, high), method="bounded", options={"maxiter": STEPS})
+    return min(tried.values(), key=lambda refit: refit.left)
 
 
 def _best_alone(effect: Effect, scene: SimulatorScene) -> Floats | None:
     """What the effect's best law and starting shape alone add to the simulator, N·m, shape (n,); None if that is little."""
-    best, most = None, PROMISING * float(scene.signals.gap @ scene.signals.gap)
+    rows = scene.signals.judged
+    gap = scene.signals.gap[rows]
+    best, most = None, PROMISING * float(gap @ gap)
     for form in effect.forms(scene):
         for shape in form.grid:
             columns = form.columns(scene, shape)
             if not np.all(np.isfinite(columns)):
                 continue
+            looked = columns[rows]
             coefficients, reduction = boxed_least_squares(
-                (columns.T @ columns)[None],
-                (columns.T @ scene.signals.gap)[None],
+                (looked.T @ looked)[None],
+                (looked.T @ gap)[None],
                 np.array(form.lower),
                 np.array(form.upper),
             )

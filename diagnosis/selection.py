@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from ..models.least_squares import blocks, reduced
+from .elements import ELASTIC
 
 __all__ = ["Selection", "solve", "spread", "triangle"]
 
 Floats = NDArray[np.float64]
 Places = NDArray[np.intp]
-BIAS = 1e-5
+SPRING, FREE, BIAS = 1e-7, 1e-4, 1e-5
 FOLDS, BLOCKS = 4, 20
 """Parts of a recording that are told from the others, and the blocks that it is cut into for them."""
 ENOUGH = 6000
@@ -34,16 +35,19 @@ def triangle(columns: Floats, target: Floats) -> Floats:
     return reduced(np.column_stack([columns[part], target[part]]) for part in blocks(target.size))
 
 
-def solve(rows: Floats, free: int, samples: int) -> Floats:
-    """Least squares with free columns first and then non-negative ones, shape (k,).
+def solve(rows: Floats, elastic: int, free: int, samples: int) -> Floats:
+    """Least squares with so many free columns first, of them the elastic ones at the very first, then non-negative ones.
 
-    ``rows`` (any, k + 1) are the columns and the target, or their triangle, of so many samples.
+    ``rows`` (any, k + 1) are the columns and the target, or their triangle, of so many samples. Returns shape (k,).
     """
     scale = np.linalg.norm(rows[:, :-1], axis=0) / np.sqrt(samples)
     scale[scale == 0.0] = 1.0
-    # A small ridge keeps nearly equal columns from cancelling each other with huge weights; it is larger on the elements
-    # with memory, so that what is elastic goes to the elastic curve and not to elements that hardly ever yield.
-    strength = np.concatenate([np.full(free, 1e-7), np.full(scale.size - free, BIAS)])
+    # A small ridge keeps nearly equal columns from cancelling each other with huge weights; it is larger on what is not
+    # elastic, so that what may be elastic goes to the elastic curve and not to elements that hardly ever yield, nor to the
+    # acceleration, which on one sine is as good a spring.
+    strength = np.full(scale.size, BIAS)
+    strength[:free] = FREE
+    strength[:elastic] = SPRING
     ridge = np.column_stack([np.diag(np.sqrt(strength * samples)), np.zeros(scale.size)])
     whole = reduced([ridge, np.column_stack([rows[:, :-1] / scale, rows[:, -1]])])
     matrix, wanted = whole[:-1, :-1], whole[:-1, -1]
@@ -59,7 +63,7 @@ class Selection:
     Parameters
     ----------
     elements : mapping of str to array, shape (n, any)
-        Their outputs by kind.
+        Their outputs by kind, ``"elastic"`` among them.
     target : array, shape (n,)
         What they are to emulate.
     bounded : sequence of str
@@ -78,17 +82,18 @@ class Selection:
         self.places = {name: np.arange(a, b) for name, (a, b) in zip(elements, itertools.pairwise(edges), strict=True)}
 
     def _ordered(self, chosen: Mapping[str, Places]) -> tuple[Places, int]:
-        """The columns of what is chosen, free ones first, and how many are free."""
-        free = [at for name, at in chosen.items() if name not in self._bounded]
+        """The columns of what is chosen, elastic ones first, then free ones, and how many are free."""
+        elastic = chosen[ELASTIC]
+        free = [at for name, at in chosen.items() if name not in self._bounded and name != ELASTIC]
         bounded = [at for name, at in chosen.items() if name in self._bounded]
-        return np.concatenate([*free, *bounded]), sum(at.size for at in free)
+        return np.concatenate([elastic, *free, *bounded]), elastic.size + sum(at.size for at in free)
 
     def error(self, chosen: Mapping[str, Places]) -> float:
         """How far each part is off when the others identify it: the geometric mean, for one part may be an extrapolation."""
         order, free = self._ordered(chosen)
         total = 0.0
         for part, others in zip(self._parts, self._others, strict=True):
-            solution = solve(others[:, [*order, -1]], free, self._samples)
+            solution = solve(others[:, [*order, -1]], chosen[ELASTIC].size, free, self._samples)
             total += float(np.log(np.sum(np.square(part[:, order] @ solution - part[:, -1])) + 1e-300))
         return float(np.exp(0.5 * total / FOLDS))
 

@@ -53,6 +53,8 @@ class Signals:
         Of the output.
     timed : bool
         Whether ``time`` was measured; otherwise it numbers the samples.
+    warm_up : bool array, shape (n,), optional
+        Samples at which an unrecorded history still shows: they make memory, but are not judged.
     """
 
     time: Floats
@@ -63,6 +65,7 @@ class Signals:
     channels: Mapping[str, Floats]
     unit: str = "N·m"
     timed: bool = True
+    warm_up: NDArray[np.bool_] | None = None
 
     # ---- what follows from them ------------------------------------------------------------------------------------
 
@@ -70,6 +73,11 @@ class Signals:
     def gap(self) -> Floats:
         """Recording minus simulator, N·m, shape (n,)."""
         return self.y_real - self.y_sim
+
+    @cached_property
+    def judged(self) -> NDArray[np.bool_]:
+        """Samples that are not warm-up, shape (n,)."""
+        return np.ones(self.x.size, dtype=bool) if self.warm_up is None else ~self.warm_up
 
     @cached_property
     def noise_floor(self) -> float:

@@ -46,10 +46,11 @@ def write_diagnosis(
 
     out.mkdir(parents=True, exist_ok=True)
     found = replace(found, next_recording=design_next(found, out / "next.csv"))
-    told = formula(found)
+    corrected = corrected_simulator(found, model)
+    told = formula(found, corrected)
     if told:
         write_text(out / "formula.txt", told + "\n")
-        corrected_simulator(found, model).save(out / "corrected.json")
+        corrected.save(out / "corrected.json")
     write_text(out / "diagnosis.json", found.to_json())
     page = template("diagnosis.html.j2").render(
         version=__version__,
@@ -105,8 +106,9 @@ def _where_figures(found: Diagnosis) -> list[dict[str, Any]]:
     with mpl.rc_context(STYLE):
         figure, axes = _figure(9.2, 4.0, 1, 1)
         axis = axes[0, 0]
-        limit = float(np.quantile(np.abs(signals.gap), 0.98)) or 1.0
-        thin = np.unique(np.linspace(0, signals.x.size - 1, min(signals.x.size, 1500)).astype(int))
+        judged = np.flatnonzero(signals.judged)
+        limit = float(np.quantile(np.abs(signals.gap[judged]), 0.98)) or 1.0
+        thin = judged[np.unique(np.linspace(0, judged.size - 1, min(judged.size, 1500)).astype(int))]
         points = np.column_stack([signals.x[thin], signals.y_real[thin]])
         pieces = np.stack([points[:-1], points[1:]], axis=1)
         lines = LineCollection(list(pieces), cmap="coolwarm", norm=mpl.colors.Normalize(-limit, limit), linewidths=1.2)
@@ -122,7 +124,7 @@ def _where_figures(found: Diagnosis) -> list[dict[str, Any]]:
         if shown:
             figure, axes = _figure(9.2, 2.8, 1, len(shown), sharey=True)
             for axis, place in zip(axes.flat, shown, strict=True):
-                centres, means, rms = profile(signals.coordinates[place.coordinate], signals.gap)
+                centres, means, rms = profile(signals.coordinates[place.coordinate][judged], signals.gap[judged])
                 axis.axhline(found.noise_floor, color=MEASURED, linewidth=0.8, linestyle="--")
                 axis.plot(centres, rms, color=COLOURS[1], linewidth=1.2, marker="o", markersize=2.5, label="RMS")
                 axis.plot(centres, means, color=COLOURS[0], linewidth=1.0, label="mean")
@@ -138,11 +140,12 @@ def _closing_figures(found: Diagnosis) -> list[dict[str, Any]]:
     signals = found.signals
     held = found.choice.held
     left = signals.gap - held.signal - (held.recalibration if found.choice.miscalibrated else 0.0)
+    gap, left = signals.gap[signals.judged], left[signals.judged]
     made = []
     with mpl.rc_context(STYLE):
         figure, axes = _figure(9.2, 2.6, 1, 1)
         axis = axes[0, 0]
-        for series, colour, label in ((signals.gap, MEASURED, "gap"), (left, COLOURS[1], "left over")):
+        for series, colour, label in ((gap, MEASURED, "gap"), (left, COLOURS[1], "left over")):
             kept = _extremes(series)
             axis.plot(kept, series[kept], color=colour, linewidth=0.7, label=label)
         axis.set_xlabel("sample")

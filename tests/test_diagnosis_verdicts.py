@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -130,6 +131,22 @@ def test_an_effect_is_named_though_the_simulators_errors_hide_a_part_of_it() -> 
 # ---- what to record next ---------------------------------------------------------------------------------------------
 
 
+def test_a_motion_is_designed_although_an_effect_follows_a_measured_channel(tmp_path: Path) -> None:
+    # Drift by temperature and wear by use: the joint warms while it is used.
+    time, x = rich_motion()
+    warming = 8.0 * (1.0 - np.exp(-time / 12.0))
+    y_sim = spring(x)
+    made = replace(
+        signals_of(time, x, y_sim * (1.0 - 0.003 * warming), y_sim), channels={"temperature_degc": 20.0 + warming}
+    )
+    found = diagnose(made)
+    assert found.verdict == ["thermal_drift"]
+    assert found.ambiguous == [["cyclic_softening", "thermal_drift"]]
+    planned = design_next(found, tmp_path / "next.csv")
+    assert planned is not None
+    assert planned["settles"] == found.ambiguous
+
+
 def test_the_next_recording_tells_apart_what_the_same_motion_again_would_not(tmp_path: Path) -> None:
     time, x = one_sine()
     mass = 0.01 * np.gradient(np.gradient(x, time), time)
@@ -177,7 +194,9 @@ def test_a_fitted_model_without_rate_lacks_viscous_friction() -> None:
     )  # fmt: skip
     model = models.get("prandtl-ishlinskii")().fit(*concatenate(data.train))
     seen = gap_signals(model, data)
-    assert seen.x.size == sum(r.x.size - r.warm_up for r in data.test)
+    # Warm-ups are there, because they make memory, and are not judged.
+    assert seen.x.size == sum(r.x.size for r in data.test)
+    assert int(seen.judged.sum()) == sum(r.x.size - r.warm_up for r in data.test)
     assert not seen.channels
     found = diagnose_model(model, data)
     assert found.verdict == ["viscous_friction"]

@@ -6,12 +6,16 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..operators import clearance, free_flight, plays
+from ..operators import free_flight, plays
 from .base import INPUT, Effect, Floats, Form, Parameter, Scene, geometric
 
 __all__ = ["Backlash"]
 
-ROUNDS = 3
+ROUNDS = 4
+NEAR, MOVING, STEEP = 0.3, 1e-4, 0.9
+"""Torque (over its standard deviation) that is near zero, way between samples (over the stroke) that is motion, and the
+quantile of the slopes there that the steps rest on: too steep only makes them shorter."""
+AT_FLANK = 1e-6
 
 
 def _play(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -44,28 +48,49 @@ def _soft_gap(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return scene.torque_change(x - half * np.tanh(x / half))[:, None]
 
 
-def _series(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    s, half = scene.signals, 0.5 * shape[0]
-    change = np.zeros_like(s.x)
-    # Where the torque passes zero depends on the clearance before it: a few rounds settle that.
+def _across(scene: Scene, half: float) -> Floats:
+    """Position within a clearance of ±``half`` in series with the joint, rad, shape (n,).
+
+    Loaded, it lies at the flank that the torque presses it to; where the torque is nil the joint stands still and the
+    motion carries it across. So the joint's deflection is the one without torque, as near as the flanks let it come:
+    Newton's steps towards that, all samples at once.
+    """
+    s = scene.signals
+    x = joint = s.smooth_x
+    noise = s.x - x
+    torque = scene.torque_at(s.x)
+    stiffness = np.full_like(x, _stiffness(x, torque))
     for _ in range(ROUNDS):
-        torque = scene.torque + change
-        across = np.concatenate([clearance(s.smooth_x[run], torque[run], half) for run in s.runs])
-        change = scene.torque_change(s.x - across)
-    return change[:, None]
+        joint, before = np.clip(joint - torque / stiffness, x - half, x + half), torque
+        torque = scene.torque_at(joint + noise)
+        # A step too far: the joint is stiffer here.
+        stiffness[torque * before < 0.0] *= 2.0
+    return x - np.clip(joint - torque / stiffness, x - half, x + half)
+
+
+def _stiffness(x: Floats, torque: Floats) -> float:
+    """How steeply the torque passes zero, N·m/rad."""
+    way, change = np.abs(np.diff(x)), np.abs(np.diff(torque))
+    passing = (np.abs(torque[1:]) < NEAR * np.std(torque)) & (way > MOVING * np.ptp(x))
+    if not np.any(passing):
+        return float(np.ptp(torque) / np.ptp(x))
+    return max(float(np.quantile(change[passing] / way[passing], STEEP)), 1e-300)
+
+
+def _series(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    half = 0.5 * shape[0]
+    across = scene.remembered(("across", half), lambda: _across(scene, half))
+    return scene.torque_change(scene.signals.x - across)[:, None]
 
 
 def _flight(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    s, (width, frequency) = scene.signals, shape
-    change = np.zeros_like(s.x)
-    for _ in range(ROUNDS):
-        torque = scene.torque + change
-        flown = [
-            free_flight(s.time[run], s.smooth_x[run], s.speed[run], torque[run], 0.5 * width, frequency)
-            for run in s.runs
-        ]
-        across, free, hit = (np.concatenate(parts) for parts in zip(*flown, strict=True))
-        change = scene.torque_change(s.x - across)
+    s, half, frequency = scene.signals, 0.5 * shape[0], shape[1]
+    settled = scene.remembered(("across", half), lambda: _across(scene, half))
+    # Pressed to a flank, or, where a load without inertia would be between them, to none.
+    pressed = np.sign(settled) * (np.abs(settled) >= (1.0 - AT_FLANK) * half)
+    flown = [free_flight(s.time[run], s.smooth_x[run], s.speed[run], pressed[run], half, frequency) for run in s.runs]
+    across, free, hit = (np.concatenate(parts) for parts in zip(*flown, strict=True))
+    change = scene.torque_change(s.x - across)
     # Nothing loads the drive while the load flies.
     return np.column_stack([np.where(free > 0.0, -scene.torque, change), hit])
 

@@ -7,7 +7,7 @@ Golub & Pereyra, Inverse Problems 19, 2003).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, Protocol
 
@@ -74,8 +74,16 @@ class Scene(Protocol):
         """How the simulator's output would change if its input were ``x`` instead, N·m, shape (n,)."""
         ...
 
+    def torque_at(self, x: Floats) -> Floats:
+        """The torque so far if the input were ``x`` instead, N·m, shape (n,)."""
+        ...
+
+    def remembered(self, key: Hashable, make: Callable[[], Floats]) -> Floats:
+        """What ``make`` gives, kept for the next call with ``key``."""
+        ...
+
     def spring_change(self, x: Floats) -> Floats:
-        """The same of the elastic part alone."""
+        """How the elastic part alone would change if the input were ``x`` instead, N·m, shape (n,)."""
         ...
 
 

@@ -1,0 +1,129 @@
+"""The corrected simulator: it closes what the diagnosis says it does, also on a motion that was not recorded."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from joints import sliders
+from numpy.typing import NDArray
+
+from hystbench import models
+from hystbench.bench.cli import cli
+from hystbench.bench.console import execute
+from hystbench.datasets.recording_files import read_recording, write_recording
+from hystbench.diagnosis.corrected import corrected_simulator, formula
+from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
+from hystbench.diagnosis.signals import Signals
+
+Floats = NDArray[np.float64]
+NOISE = 0.01
+INTERVAL = 0.01
+
+
+def motion(low: float, high: float, size: int = 3000) -> tuple[Floats, Floats]:
+    """Two tones of changing size from rest."""
+    time = np.arange(size) * INTERVAL
+    slow, fast = np.sin(2 * np.pi * low * time), np.sin(2 * np.pi * high * time)
+    return time, (slow * (0.5 + 0.3 * np.sin(2 * np.pi * 0.043 * time)) + 0.25 * fast) * (1.0 - np.exp(-time / 0.5))
+
+
+def joint(x: Floats, spring: float = 1.0, friction: float = 1.0) -> Floats:
+    """A hardening spring and sliders; each part times a factor."""
+    elements = ((5.0 * friction, 0.15 * friction), (1.0 * friction, 0.1 * friction), (0.3 * friction, 0.1 * friction))
+    return spring * (4.0 * x + 1.2 * x**3) + sliders(x, elements)
+
+
+def damped(time: Floats, x: Floats) -> Floats:
+    return joint(x) + 0.1 * np.gradient(x, time)
+
+
+def diagnosed(real: Floats, sim: Floats, time: Floats, x: Floats) -> Diagnosis:
+    noise = NOISE * np.random.default_rng(4).standard_normal(x.size)
+    return diagnose(Signals(time, x, real + noise, sim, [slice(0, x.size)], {}))
+
+
+def closed_by(corrected: Floats, real: Floats, sim: Floats) -> float:
+    return 1.0 - float(np.mean(np.square(real - corrected)) / np.mean(np.square(real - sim)))
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.1])
+def test_a_simulator_that_is_off_is_calibrated_anew_in_the_corrected_one(damping: float) -> None:
+    made = [(time, x, joint(x) + damping * np.gradient(x, time), joint(x, 0.96, 1.05))
+            for time, x in (motion(0.31, 1.13), motion(0.17, 0.83))]  # fmt: skip
+    time, x, real, sim = made[0]
+    found = diagnosed(real, sim, time, x)
+    assert set(found.verdict) == {"miscalibration"} | ({"viscous_friction"} if damping else set())
+    corrected = corrected_simulator(found, None)
+    for _, x, real, sim in made:
+        assert closed_by(corrected.predict(x), real, sim) > 0.97
+
+
+def test_the_formula_says_what_to_scale() -> None:
+    time, x = motion(0.31, 1.13)
+    found = diagnosed(damped(time, x), joint(x, 0.95, 1.08), time, x)
+    told = formula(found, corrected_simulator(found, None))
+    spring, friction = (float(value) for value in re.findall(r"times ([0-9.]+[0-9])", told))
+    assert spring == pytest.approx(1.0 / 0.95, abs=0.01)
+    assert friction == pytest.approx(1.0 / 1.08, abs=0.04)
+    assert "damping" in told
+
+
+def test_a_model_is_calibrated_anew_as_a_model_of_its_kind(tmp_path: Path) -> None:
+    time, x = motion(0.31, 1.13)
+    model = models.get("prandtl-ishlinskii")().fit(x, joint(x, 0.95, 1.06))
+    model.save(tmp_path / "model.json")
+    real = damped(time, x)
+    noise = NOISE * np.random.default_rng(4).standard_normal(x.size)
+    write_recording(tmp_path / "real.csv", {"time_s": time, "deflection_rad": x, "torque_nm": real + noise})
+    command = ["diagnose", str(tmp_path / "real.csv"), "--sim", str(tmp_path / "model.json"), "--out", str(tmp_path)]
+    assert execute(cli, command) == 0
+    corrected = models.load(tmp_path / "corrected.json")
+    assert corrected.parameters_["base"]["model"] == "prandtl-ishlinskii"
+    assert (
+        execute(
+            cli,
+            ["predict", str(tmp_path / "corrected.json"), str(tmp_path / "real.csv"), "--out", str(tmp_path / "p.csv")],
+        )
+        == 0
+    )
+    assert closed_by(read_recording(tmp_path / "p.csv").y, real, model.predict(x)) > 0.95
+
+
+def test_nothing_is_calibrated_beside_an_effect_that_the_file_cannot_hold() -> None:
+    # It follows a channel, which a model file does not see: what was calibrated beside it would be wrong without.
+    time, x = motion(0.31, 1.13)
+    pressure = 1.0 + 0.6 * np.sin(2 * np.pi * 0.021 * time)
+    extra = sliders(x, ((8.0, 0.3),)) * pressure
+    noise = NOISE * np.random.default_rng(4).standard_normal(x.size)
+    sim = joint(x, 0.95, 1.08)
+    seen = Signals(time, x, joint(x) + extra + noise, sim, [slice(0, x.size)], {"pressure_bar": pressure})
+    found = diagnose(seen)
+    assert "load_dependent_friction" in found.verdict
+    assert any("pressure_bar" in term.form.name for term in found.choice.hypothesis.terms)
+    left_out = corrected_simulator(found, None)
+    assert not left_out.parameters_["effects"]
+    assert np.std(left_out.predict(x) - sim) < 0.02 * np.std(sim)
+
+
+# ---- warm-ups --------------------------------------------------------------------------------------------------------
+
+
+def test_a_warm_up_makes_memory_and_is_not_judged() -> None:
+    time, x = motion(0.31, 1.13)
+    real, sim = damped(time, x) + NOISE * np.random.default_rng(4).standard_normal(x.size), joint(x)
+    start = 400
+    history = np.arange(x.size) < start
+    # Before the first samples that count anything may have been: it changes no figure.
+    spoilt = replace(
+        Signals(time, x, np.where(history, real + 3.0 * np.exp(-time), real), sim, [slice(0, x.size)], {}),
+        warm_up=history,
+    )
+    found = diagnose(spoilt)
+    assert found.verdict == ["viscous_friction"]
+    gap = (real - sim)[start:]
+    assert found.rmse == pytest.approx(float(np.sqrt(np.mean(gap**2))))
+    assert found.closed_in_all > 0.98
