@@ -17,6 +17,7 @@ __all__ = ["Selection", "solve", "spread", "triangle"]
 Floats = NDArray[np.float64]
 Places = NDArray[np.intp]
 SPRING, FREE, BIAS = 1e-7, 1e-4, 1e-5
+"""Strength of the ridge on elastic columns, on the other free ones, and on those of one sign."""
 FOLDS, BLOCKS = 4, 20
 """Parts of a recording that are told from the others, and the blocks that it is cut into for them."""
 ENOUGH = 6000

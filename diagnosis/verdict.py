@@ -66,6 +66,8 @@ CALIBRATED = 0.8
 """Share of a clear gap that a calibration alone must close."""
 NEGLIGIBLE = 0.7
 """An effect smaller than this share of the noise is no gap beyond the noise."""
+SUBSTANTIAL = 0.3
+"""Size of an effect over the gap's that is more than a patch on a simulator that is off."""
 BARELY = 1.2
 """Gap over noise up to which it is not asked how much of it is closed: noise decides that."""
 SAME_JOINT = 0.006
@@ -145,7 +147,8 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         return hypothesis.score - blank.score >= least
 
     if not simple.terms and not evidence.fitted:
-        best = next((h for h in ranked if len(h.terms) == 1 and is_needed(h) and _is_nearer(h, blank)), best)
+        single = (h for h in ranked if len(h.terms) == 1 and _size(h.signal) > SUBSTANTIAL * size)
+        best = next((h for h in single if is_needed(h) and _is_nearer(h, blank)), best)
     refit = _judge_refit(evidence, best, energy)
     own = best.score + _prior(evidence, best, size)
     factor, rest = _one_factor(evidence, found, energy)

@@ -20,3 +20,28 @@ def sliders(x: Floats, elements: Iterable[tuple[float, float]]) -> Floats:
             last = value
             out[i] += force
     return out
+
+
+def through_a_clearance(x: Floats, width: float, stiffness: float, elements: Iterable[tuple[float, float]]) -> Floats:
+    """Torque of a spring and sliders behind a clearance that is crossed where the torque is nil, shape (n,)."""
+    elastic, limit = (np.array(part) for part in zip(*elements, strict=True))
+    force, last, out = np.zeros(limit.size), 0.0, np.empty_like(x)
+
+    def after(place: float) -> Floats:
+        return np.clip(force + elastic * (place - last), -limit, limit)
+
+    for i, value in enumerate(x):
+        low, high = value - 0.5 * width, value + 0.5 * width
+        # Pressed to a flank, or, where the torque is of one sign at either, at the place between them without torque.
+        if stiffness * low + after(low).sum() > 0.0:
+            place = low
+        elif stiffness * high + after(high).sum() < 0.0:
+            place = high
+        else:
+            for _ in range(40):
+                middle = 0.5 * (low + high)
+                low, high = (low, middle) if stiffness * middle + after(middle).sum() > 0.0 else (middle, high)
+            place = 0.5 * (low + high)
+        force, last = after(place), place
+        out[i] = stiffness * place + force.sum()
+    return out

@@ -6,11 +6,13 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from joints import sliders
+from joints import sliders, through_a_clearance
 from numpy.typing import NDArray
 
+from hystbench.diagnosis import registry
 from hystbench.diagnosis.delivery import sentence
 from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
+from hystbench.diagnosis.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.operators import bristle, clearance, free_flight, yielding
 from hystbench.diagnosis.quantisation import torque_step
 from hystbench.diagnosis.signals import Signals
@@ -52,6 +54,38 @@ def test_an_encoder_error_with_an_offset_is_both() -> None:
     _, x = motion()
     found = diagnosed(x + 0.02 * (np.sin(6.0 * x + 0.9) - np.sin(0.9)) + 0.03, joint(x))
     assert set(found.verdict) == {"encoder_eccentricity", "deflection_offset"}
+
+
+ELEMENTS = ((6.0, 0.12), (2.0, 0.15), (0.8, 0.16))
+
+
+@pytest.mark.parametrize("width", [0.05, 0.15, 0.3])
+@pytest.mark.parametrize("tones", [1, 3])
+def test_a_clearance_in_series_is_crossed_where_the_torque_is_nil(width: float, tones: int) -> None:
+    time, x = motion()
+    if tones == 1:
+        x = 0.8 * np.sin(2 * np.pi * 0.4 * time)
+    sim = 4.0 * x + sliders(x, ELEMENTS)
+    wanted = through_a_clearance(x, width, 4.0, ELEMENTS) - sim
+    signals = Signals(time, x, sim + wanted, sim, [slice(0, x.size)], {})
+    scene = SimulatorScene(signals, emulate(signals, None))
+    law = next(form for form in registry.get("backlash")().forms(scene) if form.name == "gap at zero torque")
+    assert np.std(law.columns(scene, (width,))[:, 0] - wanted) < 0.08 * np.std(wanted)
+
+
+@pytest.mark.parametrize("spread", [0.5, 0.9])
+def test_flanks_that_yield_are_a_clearance(spread: float) -> None:
+    _, x = motion()
+    halves = 0.04 * (1.0 + spread * np.linspace(-1.0, 1.0, 41))
+    # Each of many flanks is met in its turn: plays by their definition.
+    place = np.zeros_like(halves)
+    moved = np.empty_like(x)
+    for i, value in enumerate(x):
+        place = np.clip(place, value - halves, value + halves)
+        moved[i] = place.mean()
+    found = diagnosed(x, joint(moved))
+    assert found.verdict == ["backlash"]
+    assert found.closed_in_all > 0.98
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

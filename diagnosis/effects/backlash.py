@@ -16,12 +16,21 @@ NEAR, MOVING, STEEP = 0.3, 1e-4, 0.9
 """Torque (over its standard deviation) that is near zero, way between samples (over the stroke) that is motion, and the
 quantile of the slopes there that the steps rest on: too steep only makes them shorter."""
 AT_FLANK = 1e-6
+"""Distance from a flank, over the clearance's half, that is contact."""
+FLANKS = np.linspace(-1.0, 1.0, 7)
 
 
 def _play(scene: Scene, shape: tuple[float, ...]) -> Floats:
     s = scene.signals
     width = np.array([0.5 * shape[0]])
     return scene.torque_change(s.per_run(lambda run: plays(s.x[run], width)[:, 0]))[:, None]
+
+
+def _soft_play(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    # Flanks that yield: teeth or wires that meet one after the other.
+    s, (width, softness) = scene.signals, shape
+    halves = 0.5 * width * (1.0 + softness * FLANKS)
+    return scene.torque_change(s.per_run(lambda run: plays(s.x[run], halves).mean(axis=1)))[:, None]
 
 
 def _gap(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -59,7 +68,7 @@ def _across(scene: Scene, half: float) -> Floats:
     x = joint = s.smooth_x
     noise = s.x - x
     torque = scene.torque_at(s.x)
-    stiffness = np.full_like(x, _stiffness(x, torque))
+    stiffness = np.full_like(x, _stiffness(x, torque) or _probed(scene, half))
     for _ in range(ROUNDS):
         joint, before = np.clip(joint - torque / stiffness, x - half, x + half), torque
         torque = scene.torque_at(joint + noise)
@@ -69,12 +78,17 @@ def _across(scene: Scene, half: float) -> Floats:
 
 
 def _stiffness(x: Floats, torque: Floats) -> float:
-    """How steeply the torque passes zero, N·m/rad."""
+    """How steeply the torque passes zero, N·m/rad; 0 where it does not."""
     way, change = np.abs(np.diff(x)), np.abs(np.diff(torque))
     passing = (np.abs(torque[1:]) < NEAR * np.std(torque)) & (way > MOVING * np.ptp(x))
-    if not np.any(passing):
-        return float(np.ptp(torque) / np.ptp(x))
-    return max(float(np.quantile(change[passing] / way[passing], STEEP)), 1e-300)
+    return float(np.quantile(change[passing] / way[passing], STEEP)) if np.any(passing) else 0.0
+
+
+def _probed(scene: Scene, half: float) -> float:
+    """The same from the torque at either flank."""
+    x = scene.signals.x
+    across = np.abs(scene.torque_at(x + half) - scene.torque_at(x - half))
+    return max(float(np.max(across)) / (2.0 * half), 1e-300)
 
 
 def _series(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -104,13 +118,15 @@ class Backlash(Effect):
         "clearance that must be crossed after a turn, or around zero torque, before torque builds up"
     )
     equation: ClassVar[str] = (
-        "x → play(x; b/2), x → x − clip(x − m, ±b/2) + clip(−m, ±b/2), x → x − b/2 tanh(2x/b), or x → x − g, g across ±b/2 where y passes "
-        "zero (at once, or a load of inertia J that swings across and hits)"
+        "x → play(x; b/2) or the mean of plays from b/2 (1 − c) to b/2 (1 + c), x → x − clip(x − m, ±b/2) + clip(−m, ±b/2), "
+        "x → x − b/2 tanh(2x/b), or x → x − g, g across ±b/2 where y passes zero (at once, or a load of inertia J that swings "
+        "across and hits)"
     )
     coordinate: ClassVar[str] = "distance_since_reversal"
     acts_on: ClassVar[str] = INPUT
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("clearance", "rad", 0.0, np.inf, "total width b"),
+        Parameter("softness", "1", 0.0, 1.0, "c, spread of the clearance over its width, of flanks that yield"),
         Parameter("middle", "rad", -np.inf, np.inf, "m, deflection in the middle of the gap"),
         Parameter("load_inertia", "kg·m²", 0.0, np.inf, "J, of a load that hits the flanks"),
         Parameter("load_frequency", "rad/s", 0.0, np.inf, "at which that load swings between them"),
@@ -124,6 +140,8 @@ class Backlash(Effect):
         limits = [(5e-4 * reach, reach)]
         return [
             Form("lost motion at turns", ("_unit",), _play, (1.0,), (1.0,), ("clearance",), grid, limits),
+            Form("lost motion at turns, soft flanks", ("_unit",), _soft_play, (1.0,), (1.0,), ("clearance", "softness"), (),
+                 [*limits, (0.05, 1.0)], ("lost motion at turns",), lambda shape, coefficients: (shape[0], 0.5)),
             Form("gap around zero", ("_unit",), _gap, (1.0,), (1.0,), ("clearance",), grid[2::2], limits),
             Form("gap elsewhere", ("_unit",), _gap_elsewhere, (1.0,), (1.0,), ("clearance", "middle"),
                  [(b * reach, side * m * reach) for b in (0.02, 0.05, 0.12, 0.3) for m in _middles(b) for side in (-1.0, 1.0)],
