@@ -222,11 +222,12 @@ class Evidence:
         self._to_basis = right[kept].T / singular[kept]
         factor = singular[kept, None] * right[kept]
         split = structure.shape[1]
-        self._modes: dict[Scale, tuple[Floats, Floats]] = {}
+        self._modes: dict[Scale, tuple[Floats, Floats, float]] = {}
         for scale in self.scales:
             weighed = np.hstack([scale[0] * factor[:, :split], scale[1] * factor[:, split:]]) / self.sigma
             ratio, rotation = np.linalg.eigh(weighed @ weighed.T)
-            self._modes[scale] = np.maximum(ratio, 0.0), rotation
+            ratio = np.maximum(ratio, 0.0)
+            self._modes[scale] = ratio / (1.0 + ratio), rotation, 0.5 * float(np.sum(np.log1p(self.thinning * ratio)))
         self._gap_in_basis = self._basis.T @ self.gap
         self.gap_energy = float(self.gap @ self.gap)
         self.inadequacy = (INADEQUACY**2) * max(self.gap_energy / self.gap.size - self.sigma**2, 0.0)
@@ -265,12 +266,12 @@ class Evidence:
 
     def shrink(self, scale: Scale) -> tuple[Floats, Floats]:
         """Share that the refit absorbs of each tangent mode, shape (m,), and the modes, shape (m, m)."""
-        ratio, rotation = self._modes[scale]
-        return ratio / (1.0 + ratio), rotation
+        absorbed, rotation, _ = self._modes[scale]
+        return absorbed, rotation
 
     def complexity(self, scale: Scale) -> float:
         """Half the log determinant of V: what the freedom of the simulator's parameters costs."""
-        return 0.5 * float(np.sum(np.log1p(self.thinning * self._modes[scale][0])))
+        return self._modes[scale][2]
 
     def score(self, rss: Floats | float, scale: Scale, unknowns: int) -> Floats:
         """Logarithm of the evidence up to a constant; arrays of ``rss`` give arrays."""
@@ -323,19 +324,16 @@ class Evidence:
         for _ in range(2 if len(ordered) > 1 else 1):
             if best is not None:
                 columns = effect_columns(self.scene, ordered, best.coefficients)
-            best, by_scale = None, {}
             chosen = columns if self._whole else columns[self.rows]
             products = chosen.T @ chosen, chosen.T @ self.gap, self.gap_energy, self.inside(chosen)
-            for scale in scales or self.scales:
-                gram, moment, energy = self.reduced(*products, scale)
-                beta, reduction = boxed_least_squares(gram[None], moment[None], lower, upper)
-                rss = max(energy - float(reduction[0]), 1e-12 * self.gap_energy)
-                score = float(self.score(rss, scale, unknowns))
-                by_scale[scale] = score
-                if best is None or score > best.score:
-                    best = Hypothesis(ordered, scale, columns, beta[0], rss, score)
-            assert best is not None
-            best.by_scale = by_scale
+            tried = scales or self.scales
+            grams, moments, energies = zip(*(self.reduced(*products, scale) for scale in tried), strict=True)
+            beta, reduction = boxed_least_squares(np.array(grams), np.array(moments), lower, upper)
+            rss = np.maximum(np.array(energies) - reduction, 1e-12 * self.gap_energy)
+            found = [float(self.score(left, scale, unknowns)) for left, scale in zip(rss, tried, strict=True)]
+            k = int(np.argmax(found))
+            best = Hypothesis(ordered, tried[k], columns, beta[k], float(rss[k]), found[k])
+            best.by_scale = dict(zip(tried, found, strict=True))
         assert best is not None
         return best
 

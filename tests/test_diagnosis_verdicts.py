@@ -210,6 +210,8 @@ def test_a_fitted_model_without_rate_lacks_viscous_friction() -> None:
         *(("mr-damper", model) for model in sorted(KNOWN_CAUSES["mr-damper"].models - {"bouc-wen"})),
         *(("pneumatic-seal", model) for model in ("prandtl-ishlinskii", "preisach", "dahl", "linear")),
         ("friction-backlash-damper", "lugre"),
+        ("friction-backlash-damper", "dahl"),
+        ("cycloidal", "dahl"),
     ],
 )
 def test_the_known_cause_is_found_in_recorded_data(dataset: str, model: str) -> None:
