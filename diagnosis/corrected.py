@@ -27,10 +27,11 @@ from .emulation import (
     spring_of,
 )
 from .evidence import Hypothesis, Term, effect_columns
+from .refitting import fitted_again
 from .signals import Signals
 from .verdict import MISCALIBRATION, UNKNOWN
 
-__all__ = ["CorrectedSimulator", "corrected_simulator", "formula"]
+__all__ = ["CorrectedSimulator", "calibrated", "corrected_simulator", "formula"]
 
 Floats = NDArray[np.float64]
 ARRAYS = ("thresholds", "lengths", "elastic", "placed", "weights", "rates")
@@ -197,58 +198,56 @@ def _named(found: Diagnosis) -> Hypothesis | None:
     return found.choice.hypothesis if named else None
 
 
-def corrected_simulator(found: Diagnosis, model: Any | None) -> CorrectedSimulator:
-    """The simulator, or its emulator where only its output was given, as the verdict says it should be.
+def calibrated(found: Diagnosis, model: Any | None) -> Emulator:
+    """The simulator as the diagnosis knows it, with its own parameters where they should be beside the verdict's effects.
 
-    Where its own parameters are off it is calibrated anew, a model of a registered kind as such a model; the verdict's
-    effects are added. Effects that follow a measured channel are left out, because a model file sees the deflection
-    alone, and then it is not calibrated beside them either; the formula has them.
+    A ``model`` of a registered kind stays such a model; a simulator that is not off stays as it is.
+    """
+    emulator = found.evidence.scene.emulator
+    if not found.choice.miscalibrated or found.verdict in ([], [UNKNOWN]):
+        return emulator
+    # First-order changes of parameters are no parameters: one is identified from the output that they make.
+    signals = replace(found.signals, y_sim=found.signals.y_sim + found.recalibration)
+    return emulate(signals, None if model is None else fitted_again(model, signals, signals.x, signals.y_sim))
+
+
+def corrected_simulator(found: Diagnosis, emulator: Emulator) -> CorrectedSimulator:
+    """The calibrated simulator (see :func:`calibrated`) with the verdict's effects.
+
+    Effects that follow a measured channel are left out, because a model file sees the deflection alone, and then it is
+    not calibrated beside them either; the formula has them.
     """
     hypothesis = _named(found)
-    entries, start, whole = [], 0, True
+    entries, start = [], 0
     terms, coefficients = (hypothesis.terms, hypothesis.coefficients) if hypothesis else ((), np.empty(0))
     for term in terms:
         width = len(term.form.coefficients)
-        if not any(channel in term.form.name for channel in found.signals.channels):
+        if not _follows_a_channel(found, term):
             entries.append({
                 "effect": term.effect.id, "form": term.form.name, "shape": list(term.shape),
                 "coefficients": coefficients[start : start + width].tolist(),
             })  # fmt: skip
-        else:
-            whole = False
         start += width
-    emulator = found.evidence.scene.emulator
-    base = (_calibrated(found, model) if found.choice.miscalibrated and whole else emulator).parameters
+    base = (emulator if len(entries) == len(terms) else found.evidence.scene.emulator).parameters
     made = CorrectedSimulator.from_parameters(interval=found.signals.interval, base=base, effects=entries)
     made.interval = found.signals.interval
     made.x_scale_ = float(np.max(np.abs(found.signals.x)))
     return made
 
 
-def _calibrated(found: Diagnosis, model: Any | None) -> Emulator:
-    """The simulator with its own parameters where they should be, beside the verdict's effects."""
-    # First-order changes of parameters are no parameters: one is identified from the output that they make.
-    signals = replace(found.signals, y_sim=found.signals.y_sim + found.recalibration)
-    if model is None:
-        return emulate(signals, None)
-    try:
-        again = type(model)()
-        again.fit(signals.x, signals.y_sim, signals.groups, **time_argument(again.fit, signals.time))
-    except (AttributeError, InputError, np.linalg.LinAlgError, RuntimeError, TypeError):
-        # Not every model can be fitted anew.
-        return emulate(signals, None)
-    return emulate(signals, again)
+def _follows_a_channel(found: Diagnosis, term: Term) -> bool:
+    return any(channel in term.form.name for channel in found.signals.channels)
 
 
-def formula(found: Diagnosis, corrected: CorrectedSimulator) -> str:
-    """What to change in the simulator, with the fitted values; empty if there is nothing to change."""
+def formula(found: Diagnosis, emulator: Emulator) -> str:
+    """What to change in the simulator to get the calibrated one with the verdict's effects; empty if there is nothing."""
     lines = []
     hypothesis = _named(found)
     if MISCALIBRATION in found.verdict:
-        spring, friction = _factors(found, corrected)
+        spring, friction = _factors(found, emulator)
         lines.append(
-            f"calibrate the simulator's own parameters anew (corrected.json holds the result): by and large its elastic torque "
-            f"times {spring:.3g}, what has memory times {friction:.3g}"
+            f"calibrate the simulator's own parameters anew: by and large its elastic torque times {spring:.3g}, "
+            f"what has memory times {friction:.3g}"
         )
     for term in () if hypothesis is None else hypothesis.terms:
         parameters = found.choice.hypothesis.parameters(term.effect.id)
@@ -258,17 +257,23 @@ def formula(found: Diagnosis, corrected: CorrectedSimulator) -> str:
         lines.append(
             f"add {term.effect.title} ({term.form.name}): {term.effect.equation}\n    {values}"
             + (f"   [{told}]" if told else "")
+            + (
+                "\n    (not in corrected.json, which sees the deflection alone)"
+                if _follows_a_channel(found, term)
+                else ""
+            )
         )
     return "\n".join(lines)
 
 
-def _factors(found: Diagnosis, corrected: CorrectedSimulator) -> tuple[float, float]:
+def _factors(found: Diagnosis, emulator: Emulator) -> tuple[float, float]:
     """By how much the elastic part and the part with memory of the calibrated simulator exceed those of the given one."""
-    emulator, base = found.evidence.scene.emulator, corrected.parameters_["base"]
-    split = base["parameters"] if base["model"] == "generalised" else base["split"]
-    x, motion = found.signals.x, motion_of(found.signals)
-    made = []
-    for part in (spring_of, lambda given, _: predict_generalised(given, motion) - spring_of(given, x)):
-        before, after = (part(given, x) for given in (emulator.split, split))
-        made.append(float(after @ before) / max(float(before @ before), 1e-300))
-    return made[0], made[1]
+    given, x, motion = found.evidence.scene.emulator, found.signals.x, motion_of(found.signals)
+    parts = []
+    for split in (given.split, emulator.split):
+        spring = spring_of(split, x)
+        parts.append((spring, predict_generalised(split, motion) - spring))
+    elastic, memory = (
+        float(after @ before) / max(float(before @ before), 1e-300) for before, after in zip(*parts, strict=True)
+    )
+    return elastic, memory

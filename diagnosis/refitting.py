@@ -23,7 +23,7 @@ from .emulation import Emulator, SimulatorScene, answers_of
 from .evidence import boxed_least_squares
 from .signals import Signals
 
-__all__ = ["refitted_beside"]
+__all__ = ["fitted_again", "refitted_beside"]
 
 Floats = NDArray[np.float64]
 SIZES, STEPS = 5, 6
@@ -82,6 +82,18 @@ def refitted_beside(signals: Signals, model: Any, emulator: Emulator, effects: S
     return replace(emulator, structure=np.empty((signals.x.size, 0)), bulk=left[:, kept] * size[kept] / STEP)
 
 
+def fitted_again(model: Any, signals: Signals, x: Floats, y: Floats) -> Any | None:
+    """A model of the same kind fitted to ``y`` (n,) over ``x`` (n,) in the recordings' runs; None where it cannot be."""
+    try:
+        again = type(model)()
+        again.fit(x, y, signals.groups, **time_argument(again.fit, signals.time))
+        finite = all(np.all(np.isfinite(answers_of(again, signals)(asked))) for asked in (x, signals.x))
+    except (AttributeError, InputError, np.linalg.LinAlgError, RuntimeError, TypeError):
+        # Not every model can be fitted anew, or to everything.
+        return None
+    return again if finite else None
+
+
 @dataclass(frozen=True)
 class _Refit:
     """A model fitted again: the recording beside it, and the energy that it leaves of what it was fitted to."""
@@ -92,16 +104,11 @@ class _Refit:
 
 def _again(signals: Signals, model: Any, emulator: Emulator, x: Floats, y: Floats) -> _Refit | None:
     """A model like this one fitted to ``y`` (n,) over the deflection ``x`` (n,); None where it cannot be."""
-    try:
-        again = type(model)()
-        again.fit(x, y, signals.groups, **time_argument(again.fit, signals.time))
-        answers = answers_of(again, signals)
-        output, reached = answers(signals.x), answers(x)
-    except (AttributeError, InputError, np.linalg.LinAlgError, RuntimeError, TypeError):
-        # Not every model can be fitted anew, or to everything.
+    again = fitted_again(model, signals, x, y)
+    if again is None:
         return None
-    if not (np.all(np.isfinite(output)) and np.all(np.isfinite(reached))):
-        return None
+    answers = answers_of(again, signals)
+    output, reached = answers(signals.x), answers(x)
     emulator = replace(emulator, predict=answers, refitted=True)
     scene = SimulatorScene(replace(signals, y_sim=output), emulator, base=output)
     return _Refit(scene, float(np.sum(np.square(y - reached)[signals.judged])))

@@ -41,16 +41,16 @@ def write_diagnosis(
 ) -> Diagnosis:
     """Write ``diagnosis.html``, ``diagnosis.json``, ``corrected.json``, ``formula.txt`` and, where effects stay
     ambiguous, ``next.csv`` to ``out``; return the diagnosis with what to record next."""
-    from ..diagnosis.corrected import corrected_simulator, formula
+    from ..diagnosis.corrected import calibrated, corrected_simulator, formula
     from ..diagnosis.excitation import design_next
 
     out.mkdir(parents=True, exist_ok=True)
     found = replace(found, next_recording=design_next(found, out / "next.csv"))
-    corrected = corrected_simulator(found, model)
-    told = formula(found, corrected)
+    emulator = calibrated(found, model)
+    told = formula(found, emulator)
     if told:
         write_text(out / "formula.txt", told + "\n")
-        corrected.save(out / "corrected.json")
+        corrected_simulator(found, emulator).save(out / "corrected.json")
     write_text(out / "diagnosis.json", found.to_json())
     page = template("diagnosis.html.j2").render(
         version=__version__,
@@ -128,6 +128,7 @@ def _where_figures(found: Diagnosis) -> list[dict[str, Any]]:
                 axis.axhline(found.noise_floor, color=MEASURED, linewidth=0.8, linestyle="--")
                 axis.plot(centres, rms, color=COLOURS[1], linewidth=1.2, marker="o", markersize=2.5, label="RMS")
                 axis.plot(centres, means, color=COLOURS[0], linewidth=1.0, label="mean")
+                axis.locator_params(axis="x", nbins=5)
                 axis.set_xlabel(f"{place.coordinate.replace('_', ' ')} {_unit(found, place.coordinate)}".strip())
             axes.flat[0].set_ylabel(f"gap, {signals.unit}")
             axes.flat[0].legend()

@@ -15,7 +15,7 @@ from hystbench import models
 from hystbench.bench.cli import cli
 from hystbench.bench.console import execute
 from hystbench.datasets.recording_files import read_recording, write_recording
-from hystbench.diagnosis.corrected import corrected_simulator, formula
+from hystbench.diagnosis.corrected import calibrated, corrected_simulator, formula
 from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
 from hystbench.diagnosis.signals import Signals
 
@@ -57,7 +57,7 @@ def test_a_simulator_that_is_off_is_calibrated_anew_in_the_corrected_one(damping
     time, x, real, sim = made[0]
     found = diagnosed(real, sim, time, x)
     assert set(found.verdict) == {"miscalibration"} | ({"viscous_friction"} if damping else set())
-    corrected = corrected_simulator(found, None)
+    corrected = corrected_simulator(found, calibrated(found, None))
     for _, x, real, sim in made:
         assert closed_by(corrected.predict(x), real, sim) > 0.97
 
@@ -65,7 +65,7 @@ def test_a_simulator_that_is_off_is_calibrated_anew_in_the_corrected_one(damping
 def test_the_formula_says_what_to_scale() -> None:
     time, x = motion(0.31, 1.13)
     found = diagnosed(damped(time, x), joint(x, 0.95, 1.08), time, x)
-    told = formula(found, corrected_simulator(found, None))
+    told = formula(found, calibrated(found, None))
     spring, friction = (float(value) for value in re.findall(r"times ([0-9.]+[0-9])", told))
     assert spring == pytest.approx(1.0 / 0.95, abs=0.01)
     assert friction == pytest.approx(1.0 / 1.08, abs=0.04)
@@ -104,8 +104,9 @@ def test_nothing_is_calibrated_beside_an_effect_that_the_file_cannot_hold() -> N
     found = diagnose(seen)
     assert "load_dependent_friction" in found.verdict
     assert any("pressure_bar" in term.form.name for term in found.choice.hypothesis.terms)
-    left_out = corrected_simulator(found, None)
+    left_out = corrected_simulator(found, calibrated(found, None))
     assert not left_out.parameters_["effects"]
+    assert "not in corrected.json" in formula(found, calibrated(found, None))
     assert np.std(left_out.predict(x) - sim) < 0.02 * np.std(sim)
 
 
