@@ -26,7 +26,7 @@ from .emulation import (
     predict_generalised,
     spring_of,
 )
-from .evidence import Hypothesis, Term, effect_columns
+from .evidence import Term, effect_columns
 from .refitting import fitted_again
 from .signals import Signals
 from .verdict import MISCALIBRATION, UNKNOWN
@@ -193,9 +193,9 @@ def _plain(value: Any) -> Any:
     return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
 
 
-def _named(found: Diagnosis) -> Hypothesis | None:
-    named = set(found.verdict) - {MISCALIBRATION, UNKNOWN}
-    return found.choice.hypothesis if named else None
+def _named(found: Diagnosis) -> tuple[Term, ...]:
+    """The verdict's effects."""
+    return found.choice.hypothesis.terms if set(found.verdict) - {MISCALIBRATION, UNKNOWN} else ()
 
 
 def calibrated(found: Diagnosis, model: Any | None) -> Emulator:
@@ -207,8 +207,10 @@ def calibrated(found: Diagnosis, model: Any | None) -> Emulator:
     if not found.choice.miscalibrated or found.verdict in ([], [UNKNOWN]):
         return emulator
     # First-order changes of parameters are no parameters: one is identified from the output that they make.
-    signals = replace(found.signals, y_sim=found.signals.y_sim + found.recalibration)
-    return emulate(signals, None if model is None else fitted_again(model, signals, signals.x, signals.y_sim))
+    recalibration = found.evidence.recalibration(found.choice.hypothesis)
+    signals = replace(found.signals, y_sim=found.signals.y_sim + recalibration)
+    again = None if model is None else fitted_again(model, signals, signals.x, signals.y_sim)
+    return emulate(signals, None if again is None else again[0])
 
 
 def corrected_simulator(found: Diagnosis, emulator: Emulator) -> CorrectedSimulator:
@@ -217,9 +219,8 @@ def corrected_simulator(found: Diagnosis, emulator: Emulator) -> CorrectedSimula
     Effects that follow a measured channel are left out, because a model file sees the deflection alone, and then it is
     not calibrated beside them either; the formula has them.
     """
-    hypothesis = _named(found)
     entries, start = [], 0
-    terms, coefficients = (hypothesis.terms, hypothesis.coefficients) if hypothesis else ((), np.empty(0))
+    terms, coefficients = _named(found), found.choice.hypothesis.coefficients
     for term in terms:
         width = len(term.form.coefficients)
         if not _follows_a_channel(found, term):
@@ -242,14 +243,13 @@ def _follows_a_channel(found: Diagnosis, term: Term) -> bool:
 def formula(found: Diagnosis, emulator: Emulator) -> str:
     """What to change in the simulator to get the calibrated one with the verdict's effects; empty if there is nothing."""
     lines = []
-    hypothesis = _named(found)
     if MISCALIBRATION in found.verdict:
         spring, friction = _factors(found, emulator)
         lines.append(
             f"calibrate the simulator's own parameters anew: by and large its elastic torque times {spring:.3g}, "
             f"what has memory times {friction:.3g}"
         )
-    for term in () if hypothesis is None else hypothesis.terms:
+    for term in _named(found):
         parameters = found.choice.hypothesis.parameters(term.effect.id)
         values = ", ".join(f"{name} = {value:.6g}" for name, value in parameters.items())
         units = {p.name: p.unit for p in term.effect.parameters}

@@ -15,7 +15,7 @@ from .attribution import Place, locate
 from .effects.base import Effect
 from .emulation import SimulatorScene, emulate
 from .evidence import Evidence, Hypothesis
-from .heldout import HeldOut, closed_share, held_out, structured_power
+from .heldout import HeldOut, closed_share, held_out, rms, structured_power
 from .refitting import refitted_beside
 from .search import Library, search
 from .signals import Signals
@@ -80,12 +80,6 @@ class Diagnosis:
     excluded: list[str]
     next_recording: dict[str, Any] | None = None
     notes: list[str] = field(default_factory=list)
-
-    @property
-    def recalibration(self) -> Floats:
-        """What calibrating the simulator anew beside the best explanation adds to its output, N·m, shape (n,)."""
-        hypothesis = self.choice.hypothesis
-        return self.evidence.absorbed((self.signals.gap - hypothesis.signal)[self.evidence.rows], hypothesis.scale)
 
     def document(self) -> dict[str, Any]:
         """The diagnosis as CONTRACT's JSON document."""
@@ -233,7 +227,7 @@ def diagnose(
         signals=signals,
         verdict=choice.verdict,
         confidence=choice.confidence,
-        rmse=_rms(signals.gap[signals.judged]),
+        rmse=rms(signals.gap[signals.judged]),
         noise_floor=floor,
         closed_by_recalibration=closed_by_recalibration,
         closed_in_all=closed_in_all,
@@ -270,10 +264,6 @@ def _closed_by(signals: Signals, part: Floats, seed: int) -> tuple[float, float,
     """RMS of what ``part`` (n,) leaves of the gap, the share that it closes and its interval."""
     gap, rows = signals.gap, signals.judged
     return closed_share(gap[rows], (gap - part)[rows], signals.noise_floor, seed)
-
-
-def _rms(series: Floats) -> float:
-    return float(np.sqrt(np.mean(np.square(series))))
 
 
 def _is_better(signals: Signals, calm: Choice, whole: Choice, seed: int) -> bool:
@@ -376,12 +366,12 @@ def _ambiguities(choice: Choice) -> list[list[str]]:
 def _waterfall(signals: Signals, choice: Choice, named: Sequence[str]) -> list[tuple[str, float]]:
     rows = signals.judged
     left = signals.gap[rows]
-    steps = [("the simulator as it is", _rms(left))]
+    steps = [("the simulator as it is", rms(left))]
     parts = {name: choice.held.parts[name][rows] for name in named}
     if choice.miscalibrated:
         parts[MISCALIBRATION] = choice.held.recalibration[rows]
     while parts:
-        name = min(parts, key=lambda n: _rms(left - parts[n]))
+        name = min(parts, key=lambda n: rms(left - parts[n]))
         left = left - parts.pop(name)
-        steps.append((name, _rms(left)))
+        steps.append((name, rms(left)))
     return steps

@@ -305,10 +305,13 @@ class Evidence:
         scene = self.scene
         return np.hstack([scene.emulator.structure, scene.emulator.bulk]) @ (self._to_basis @ modes)
 
+    def recalibration(self, hypothesis: Hypothesis) -> Floats:
+        """What refitting the simulator beside a hypothesis adds to its output, N·m, on every sample, shape (n,)."""
+        return self.absorbed(self.gap - hypothesis.signal[self.rows], hypothesis.scale)
+
     def left_over(self, hypothesis: Hypothesis) -> Floats:
         """What a hypothesis and the refitted simulator leave, shape (n,); zero where this fit does not look."""
-        residual = self.scene.signals.gap - hypothesis.signal
-        return (residual - self.absorbed(residual[self.rows], hypothesis.scale)) * self.rows
+        return (self.scene.signals.gap - hypothesis.signal - self.recalibration(hypothesis)) * self.rows
 
     # ---- fitting ---------------------------------------------------------------------------------------------------
 
@@ -318,6 +321,7 @@ class Evidence:
         lower = np.array([value for term in ordered for value in term.form.lower])
         upper = np.array([value for term in ordered for value in term.form.upper])
         unknowns = count_unknowns(ordered)
+        tried = scales or self.scales
         columns = effect_columns(self.scene, ordered)
         best: Hypothesis | None = None
         # The first pass takes the effects as independent, the second lets later ones act on what earlier ones made.
@@ -326,7 +330,6 @@ class Evidence:
                 columns = effect_columns(self.scene, ordered, best.coefficients)
             chosen = columns if self._whole else columns[self.rows]
             products = chosen.T @ chosen, chosen.T @ self.gap, self.gap_energy, self.inside(chosen)
-            tried = scales or self.scales
             grams, moments, energies = zip(*(self.reduced(*products, scale) for scale in tried), strict=True)
             beta, reduction = boxed_least_squares(np.array(grams), np.array(moments), lower, upper)
             rss = np.maximum(np.array(energies) - reduction, 1e-12 * self.gap_energy)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .evidence import Evidence, Hypothesis
 
-__all__ = ["HeldOut", "closed_share", "held_out"]
+__all__ = ["HeldOut", "closed_share", "held_out", "rms", "structured_power"]
 
 Floats = NDArray[np.float64]
 FOLDS = 5
@@ -114,12 +114,17 @@ def closed_share(gap: Floats, after: Floats, floor: float, seed: int) -> tuple[f
 
     if np.mean(np.square(gap)) <= floor**2:
         # There is nothing to close.
-        return float(np.sqrt(np.mean(np.square(after)))), 0.0, [0.0, 0.0]
+        return rms(after), 0.0, [0.0, 0.0]
     everything = float(share(np.arange(sizes.size)))
     # A bootstrap sample in which the gap is not above the noise says nothing about its share.
     interval = np.percentile(np.clip(share(drawn), -10.0, 1.5), [5.0, 95.0])
     low, high = sorted((min(float(interval[0]), everything), max(float(interval[1]), everything)))
-    return float(np.sqrt(np.mean(np.square(after)))), everything, [low, high]
+    return rms(after), everything, [low, high]
+
+
+def rms(series: Floats) -> float:
+    """Root of the mean square."""
+    return float(np.sqrt(np.mean(np.square(series))))
 
 
 def structured_power(series: Floats, runs: Sequence[slice], stride: int = 1) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["bristle", "clearance", "free_flight", "hyperbolic", "lowpass", "plays", "weighed", "yielding"]
+__all__ = ["bristle", "free_flight", "hyperbolic", "lowpass", "plays", "weighed", "yielding"]
 
 Floats = NDArray[np.float64]
 
@@ -89,16 +89,6 @@ def _lowpass(time, u, tau, out):
 
 
 @njit(cache=True)
-def _clearance(x, torque, half, out):
-    g = half * np.sign(torque[0])
-    out[0] = g
-    for i in range(1, x.size):
-        if torque[i] == 0.0 or g != half * np.sign(torque[i]):
-            g = min(max(g + x[i] - x[i - 1], -half), half)
-        out[i] = g
-
-
-@njit(cache=True)
 def _free_flight(time, x, speed, torque, half, frequency, gap, free, hit):
     side = 1.0 if torque[0] > 0.0 else -1.0
     flying = torque[0] == 0.0
@@ -136,17 +126,6 @@ def free_flight(
     time, x, speed, torque = (np.ascontiguousarray(part) for part in (time, x, speed, torque))
     _free_flight(time, x, speed, torque, float(half), float(frequency), gap, free, hit)
     return gap, free, hit
-
-
-def clearance(x: Floats, torque: Floats, half: float) -> Floats:
-    """Position within a clearance of ``half`` width in series with a joint, shape (n,), within ±half.
-
-    It lies at the side that the torque (n,) presses it to; once the torque has changed its sign the motion ``x`` (n,)
-    carries it across.
-    """
-    out = np.empty(x.size)
-    _clearance(np.ascontiguousarray(x), np.ascontiguousarray(torque), float(half), out)
-    return out
 
 
 def plays(x: Floats, thresholds: Floats) -> Floats:

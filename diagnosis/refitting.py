@@ -82,16 +82,19 @@ def refitted_beside(signals: Signals, model: Any, emulator: Emulator, effects: S
     return replace(emulator, structure=np.empty((signals.x.size, 0)), bulk=left[:, kept] * size[kept] / STEP)
 
 
-def fitted_again(model: Any, signals: Signals, x: Floats, y: Floats) -> Any | None:
-    """A model of the same kind fitted to ``y`` (n,) over ``x`` (n,) in the recordings' runs; None where it cannot be."""
+def fitted_again(model: Any, signals: Signals, x: Floats, y: Floats) -> tuple[Any, Floats] | None:
+    """A model of the same kind fitted to ``y`` (n,) over ``x`` (n,) in the recordings' runs, and its output (n,) there.
+
+    None where it cannot be fitted, or its output is not finite.
+    """
     try:
         again = type(model)()
         again.fit(x, y, signals.groups, **time_argument(again.fit, signals.time))
-        finite = all(np.all(np.isfinite(answers_of(again, signals)(asked))) for asked in (x, signals.x))
+        reached = answers_of(again, signals)(x)
     except (AttributeError, InputError, np.linalg.LinAlgError, RuntimeError, TypeError):
         # Not every model can be fitted anew, or to everything.
         return None
-    return again if finite else None
+    return (again, reached) if np.all(np.isfinite(reached)) else None
 
 
 @dataclass(frozen=True)
@@ -107,8 +110,10 @@ def _again(signals: Signals, model: Any, emulator: Emulator, x: Floats, y: Float
     again = fitted_again(model, signals, x, y)
     if again is None:
         return None
-    answers = answers_of(again, signals)
-    output, reached = answers(signals.x), answers(x)
+    answers, reached = answers_of(again[0], signals), again[1]
+    output = reached if x is signals.x else answers(signals.x)
+    if not np.all(np.isfinite(output)):
+        return None
     emulator = replace(emulator, predict=answers, refitted=True)
     scene = SimulatorScene(replace(signals, y_sim=output), emulator, base=output)
     return _Refit(scene, float(np.sum(np.square(y - reached)[signals.judged])))

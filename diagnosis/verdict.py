@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .adequacy import ALMOST_ALL, emulated, forgiven_here, left_to_noise
 from .calibration import CONFIDENCE, confidence
 from .evidence import FINE, Evidence, Hypothesis, count_unknowns, is_refitted
-from .heldout import HeldOut, held_out, structured_power
+from .heldout import HeldOut, held_out, rms, structured_power
 from .hum import hum
 from .parsimony import fewest, simplest
 from .quantisation import torque_step
@@ -125,7 +125,7 @@ def _prior(evidence: Evidence, hypothesis: Hypothesis, gap: float) -> float:
         alone = len(hypothesis.terms) == 1
         cost += STAND_IN * (hypothesis.scale[0] >= (FINE if alone else 0.5 * FINE)) + STAND_IN_COMPANY * (not alone)
     # Effects and errors of the simulator that are each larger than the gap and cancel would be a coincidence.
-    size = _size(hypothesis.signal) / gap
+    size = rms(hypothesis.signal) / gap
     return -cost - COINCIDENCE * max(size / 1.25 - 1.0, 0.0) ** 2
 
 
@@ -133,7 +133,7 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     """Weigh the hypotheses (the empty one first) and state the verdict."""
     floor = evidence.sigma
     energy = max(float(np.mean(np.square(evidence.gap))) - floor**2, 1e-6 * floor**2)
-    size = max(_size(evidence.gap), floor)
+    size = max(rms(evidence.gap), floor)
     priors = {id(h): _prior(evidence, h, size) for h in found}
     found = [h for h in found if np.isfinite(priors[id(h)])]
     ranked = sorted(found, key=lambda h: -(h.score + priors[id(h)]))
@@ -147,7 +147,7 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         return hypothesis.score - blank.score >= least
 
     if not simple.terms and not evidence.fitted:
-        single = (h for h in ranked if len(h.terms) == 1 and _size(h.signal) > SUBSTANTIAL * size)
+        single = (h for h in ranked if len(h.terms) == 1 and rms(h.signal) > SUBSTANTIAL * size)
         best = next((h for h in single if is_needed(h) and _is_nearer(h, blank)), best)
     refit = _judge_refit(evidence, best, energy)
     own = best.score + _prior(evidence, best, size)
@@ -202,8 +202,8 @@ def _stated(
         "margin": float(own - max(others)) if others else 1e3,
         "over_null": float(own - blank.score),
         "effects": float(len(best.terms)),
-        "signal": _size(best.signal) / floor,
-        "largest": max((_size(best.part(name)) for name in best.names), default=0.0) / floor,
+        "signal": rms(best.signal) / floor,
+        "largest": max((rms(best.part(name)) for name in best.names), default=0.0) / floor,
         "recalibrated": refit.gain,
         "refitted": float(is_refitted(best.scale) and not expected),
         "closed": 1.0
@@ -246,10 +246,6 @@ def _stated(
 def _is_nearer(hypothesis: Hypothesis, blank: Hypothesis) -> bool:
     """Whether the simulator is nearer to right beside an effect; else the effect only patches what its errors leave."""
     return hypothesis.scale != blank.scale and all(a <= b for a, b in zip(hypothesis.scale, blank.scale, strict=True))
-
-
-def _size(series: Floats) -> float:
-    return float(np.sqrt(np.mean(np.square(series))))
 
 
 def _one_factor(evidence: Evidence, found: Sequence[Hypothesis], energy: float) -> tuple[Hypothesis | None, float]:
@@ -322,7 +318,7 @@ def _judge_refit(evidence: Evidence, best: Hypothesis, energy: float) -> _Refit:
     """Whether the simulator's bulk parameters are off: does their refit close more than fine structure alone does?"""
     signals, floor = evidence.scene.signals, evidence.sigma
     fixed = evidence.fit(best.terms, evidence.exact)
-    recalibration = evidence.absorbed(evidence.gap - best.signal[evidence.rows], best.scale)
+    recalibration = evidence.recalibration(best)
     left = evidence.left_over(best)
     gain = float(np.mean(np.square(evidence.left_over(fixed))) - np.mean(np.square(left))) / energy
     held = held_out(evidence, best)
@@ -337,7 +333,7 @@ def _judge_refit(evidence: Evidence, best: Hypothesis, energy: float) -> _Refit:
     else:
         # With no effect at all, what the refit takes is the gap.
         off = is_refitted(best.scale) or energy > floor**2
-    return _Refit(held, left, gain, off and _size(recalibration) > NEGLIGIBLE * floor)
+    return _Refit(held, left, gain, off and rms(recalibration) > NEGLIGIBLE * floor)
 
 
 def _is_poor(signals: Signals) -> bool:
@@ -408,7 +404,7 @@ def _nothing(evidence: Evidence, best: Hypothesis, miscalibrated: bool, features
     if features["gap"] < BARELY and features["closed"] < 0.0:
         # A gap as small as the noise, and an explanation that helps on no unseen sample.
         return True
-    return not best.terms or _size(best.signal) < NEGLIGIBLE * floor
+    return not best.terms or rms(best.signal) < NEGLIGIBLE * floor
 
 
 def _inadequate(evidence: Evidence, features: dict[str, float]) -> bool:

@@ -45,3 +45,17 @@ def through_a_clearance(x: Floats, width: float, stiffness: float, elements: Ite
         force, last = after(place), place
         out[i] = stiffness * place + force.sum()
     return out
+
+
+def clearance(x: Floats, torque: Floats, half: float) -> Floats:
+    """Position within a clearance of ±``half``, at the side that the torque presses it to, shape (n,).
+
+    Once the torque has changed its sign the motion ``x`` (n,) carries it across.
+    """
+    at = half * np.sign(torque[0])
+    out = np.full_like(x, at)
+    for i in range(1, x.size):
+        if torque[i] == 0.0 or at != half * np.sign(torque[i]):
+            at = min(max(at + x[i] - x[i - 1], -half), half)
+        out[i] = at
+    return out

@@ -240,11 +240,15 @@ def test_a_planted_loss_of_three_percent_in_one_model_is_caught(tmp_path: Path, 
 
 def test_a_hundred_runs_without_a_change_never_alarm(tmp_path: Path) -> None:
     runs = [real_run(tmp_path / str(k), ("noisy",)) for k in range(11)]
+    # Times scatter by a tenth here, however busy the machine is.
+    rng = np.random.default_rng(0)
+    for run in runs:
+        for name in ("fit_s", "predict_ns_per_sample", "step_ns"):
+            run[name] = runs[0][name] * rng.lognormal(0.0, 0.1, len(run))
     pairs = list(itertools.permutations(runs, 2))
     assert len(pairs) > 100
     for base, new in pairs:
-        # A busy machine may take some times as long; how times are judged is tested on given figures.
-        comparison = compare(base, new, 0.0, time_tolerance=20.0)
+        comparison = compare(base, new, 0.0, time_tolerance=0.5)
         assert comparison.compared == 6
         assert comparison.timed == 18
         assert comparison.worse == 0, comparison.differences

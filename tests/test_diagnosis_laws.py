@@ -6,14 +6,14 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from joints import sliders, through_a_clearance
+from joints import clearance, sliders, through_a_clearance
 from numpy.typing import NDArray
 
 from hystbench.diagnosis import registry
 from hystbench.diagnosis.delivery import sentence
 from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
 from hystbench.diagnosis.emulation import SimulatorScene, emulate
-from hystbench.diagnosis.operators import bristle, clearance, free_flight, yielding
+from hystbench.diagnosis.operators import bristle, free_flight, yielding
 from hystbench.diagnosis.quantisation import torque_step
 from hystbench.diagnosis.signals import Signals
 

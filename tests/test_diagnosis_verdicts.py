@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from joints import sliders
+from joints import clearance, sliders
 from numpy.typing import NDArray
 
 from hystbench import datasets, models
@@ -21,7 +21,6 @@ from hystbench.diagnosis.excitation import design_next, margins
 from hystbench.diagnosis.from_benchmark import diagnose_model, gap_signals
 from hystbench.diagnosis.inputs import read_inputs
 from hystbench.diagnosis.known_causes import KNOWN_CAUSES, known_cause
-from hystbench.diagnosis.operators import clearance
 from hystbench.diagnosis.signals import Signals
 
 Floats = NDArray[np.float64]

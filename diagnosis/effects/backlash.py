@@ -57,7 +57,12 @@ def _soft_gap(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return scene.torque_change(x - half * np.tanh(x / half))[:, None]
 
 
-def _across(scene: Scene, half: float) -> Floats:
+def _across(scene: Scene, width: float) -> Floats:
+    """Position within a clearance in series with the joint, rad, shape (n,): several laws of one width ask for it."""
+    return scene.remembered(("across", width), lambda: _crossed(scene, 0.5 * width))
+
+
+def _crossed(scene: Scene, half: float) -> Floats:
     """Position within a clearance of ±``half`` in series with the joint, rad, shape (n,).
 
     Loaded, it lies at the flank that the torque presses it to; where the torque is nil the joint stands still and the
@@ -92,14 +97,12 @@ def _probed(scene: Scene, half: float) -> float:
 
 
 def _series(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    half = 0.5 * shape[0]
-    across = scene.remembered(("across", half), lambda: _across(scene, half))
-    return scene.torque_change(scene.signals.x - across)[:, None]
+    return scene.torque_change(scene.signals.x - _across(scene, shape[0]))[:, None]
 
 
 def _flight(scene: Scene, shape: tuple[float, ...]) -> Floats:
     s, half, frequency = scene.signals, 0.5 * shape[0], shape[1]
-    settled = scene.remembered(("across", half), lambda: _across(scene, half))
+    settled = _across(scene, shape[0])
     # Pressed to a flank, or, where a load without inertia would be between them, to none.
     pressed = np.sign(settled) * (np.abs(settled) >= (1.0 - AT_FLANK) * half)
     flown = [free_flight(s.time[run], s.smooth_x[run], s.speed[run], pressed[run], half, frequency) for run in s.runs]
