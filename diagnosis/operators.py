@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["bristle", "free_flight", "hyperbolic", "lowpass", "plays", "weighed", "yielding"]
+__all__ = ["bristle", "free_flight", "hyperbolic", "lowpass", "plays", "resonated", "weighed", "yielding"]
 
 Floats = NDArray[np.float64]
 
@@ -89,6 +89,26 @@ def _lowpass(time, u, tau, out):
 
 
 @njit(cache=True)
+def _resonated(time, u, frequency, damping, out):
+    ringing = frequency * np.sqrt(1.0 - damping * damping)
+    place, speed = u[0], 0.0
+    out[0] = place
+    for i in range(1, u.size):
+        dt = time[i] - time[i - 1]
+        rate = (u[i] - u[i - 1]) / dt
+        # Exact for an input that is linear between samples: what is left beside following it late rings down.
+        late = 2.0 * damping / frequency * rate
+        off, drift = place - u[i - 1] + late, speed - rate
+        decay, c, s = np.exp(-damping * frequency * dt), np.cos(ringing * dt), np.sin(ringing * dt)
+        swing = (drift + damping * frequency * off) / ringing
+        place = u[i] - late + decay * (off * c + swing * s)
+        speed = rate + decay * (
+            (swing * ringing - damping * frequency * off) * c - (off * ringing + damping * frequency * swing) * s
+        )
+        out[i] = place
+
+
+@njit(cache=True)
 def _free_flight(time, x, speed, torque, half, frequency, gap, free, hit):
     side = 1.0 if torque[0] > 0.0 else -1.0
     flying = torque[0] == 0.0
@@ -126,6 +146,16 @@ def free_flight(
     time, x, speed, torque = (np.ascontiguousarray(part) for part in (time, x, speed, torque))
     _free_flight(time, x, speed, torque, float(half), float(frequency), gap, free, hit)
     return gap, free, hit
+
+
+def resonated(time: Floats, u: Floats, frequency: float, damping: float) -> Floats:
+    """``u`` (n,) through a resonator of unit static gain that starts at rest, shape (n,).
+
+    ``frequency`` is its natural frequency (rad/s), ``damping`` its damping ratio, below one.
+    """
+    out = np.empty(u.size)
+    _resonated(np.ascontiguousarray(time), np.ascontiguousarray(u), float(frequency), float(damping), out)
+    return out
 
 
 def plays(x: Floats, thresholds: Floats) -> Floats:

@@ -16,7 +16,7 @@ from scipy.ndimage import binary_dilation, median_filter
 from scipy.signal import savgol_coeffs, savgol_filter
 
 from ..models.motion import directions, noise_level, turning_points
-from .operators import bristle, lowpass, plays
+from .operators import bristle, lowpass, plays, resonated
 
 __all__ = ["COORDINATES", "Signals", "differentiate"]
 
@@ -241,6 +241,10 @@ class Signals:
     def lowpass(self, signal: Floats, tau: float) -> Floats:
         """First-order lag of ``signal`` (n,), time constant ``tau`` s."""
         return self.per_run(lambda run: lowpass(self.time[run], signal[run], tau))
+
+    def resonated(self, signal: Floats, frequency: float, damping: float) -> Floats:
+        """``signal`` (n,) through a resonator of ``frequency`` rad/s and a ``damping`` ratio below one."""
+        return self.per_run(lambda run: resonated(self.time[run], signal[run], frequency, damping))
 
     def delayed(self, signal: Floats, tau: float) -> Floats:
         """``signal`` (n,) as it was ``tau`` s earlier (later if negative); held at a recording's ends."""

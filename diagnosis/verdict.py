@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +58,9 @@ ONE_FACTOR = 0.005
 """Share of the gap's energy that one factor on the torque may leave to be more than a coincidence of several errors."""
 SEVERAL = 0.02
 """The same where it is several errors rather than one factor."""
+NO_BETTER = 8.0
+"""Logarithm of the odds up to which an effect beside an exact simulator is no better than a simulator that is off:
+every simulator is, by a little, and its errors are what such an effect would imitate."""
 SMALL = 3.0
 """Gap over noise below which such a share cannot be told."""
 CLEARLY_WORSE = 0.004
@@ -149,6 +152,7 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     if not simple.terms and not evidence.fitted:
         single = (h for h in ranked if len(h.terms) == 1 and rms(h.signal) > SUBSTANTIAL * size)
         best = next((h for h in single if is_needed(h) and _is_nearer(h, blank)), best)
+    best = _rather_off(evidence, best, found, size)
     refit = _judge_refit(evidence, best, energy)
     own = best.score + _prior(evidence, best, size)
     factor, rest = _one_factor(evidence, found, energy)
@@ -243,6 +247,23 @@ def _stated(
     )  # fmt: skip
 
 
+def _rather_off(evidence: Evidence, best: Hypothesis, found: Sequence[Hypothesis], size: float) -> Hypothesis:
+    """``best``, or the same with a simulator that is off in place of one of its effects where that is no worse."""
+    if evidence.fitted or is_refitted(best.scale):
+        return best
+    made = []
+    for name in best.names:
+        rest = next((h for h in found if h.names == best.names - {name}), None)
+        if rest is None or (name in STANDS_IN and best.scale[0] < FINE):
+            # One factor on all that an exact simulator says is no error of its parameters.
+            continue
+        scale = max((s for s in rest.by_scale if is_refitted(s)), key=rest.by_scale.__getitem__)
+        made.append(replace(evidence.fit(rest.terms, (scale,)), by_scale=rest.by_scale))
+    own = best.score + _prior(evidence, best, size)
+    off = max(made, key=lambda h: h.score + _prior(evidence, h, size), default=best)
+    return off if own - off.score - _prior(evidence, off, size) < NO_BETTER else best
+
+
 def _is_nearer(hypothesis: Hypothesis, blank: Hypothesis) -> bool:
     """Whether the simulator is nearer to right beside an effect; else the effect only patches what its errors leave."""
     return hypothesis.scale != blank.scale and all(a <= b for a, b in zip(hypothesis.scale, blank.scale, strict=True))
@@ -251,7 +272,7 @@ def _is_nearer(hypothesis: Hypothesis, blank: Hypothesis) -> bool:
 def _one_factor(evidence: Evidence, found: Sequence[Hypothesis], energy: float) -> tuple[Hypothesis | None, float]:
     """A gain beside an exact simulator, and the share of the gap that it leaves; None where noise would decide."""
     gain = next((h for h in found if h.names == {GAIN}), None)
-    if gain is None or evidence.fitted or energy < SMALL**2 * evidence.sigma**2:
+    if gain is None or count_unknowns(gain.terms) > 1 or evidence.fitted or energy < SMALL**2 * evidence.sigma**2:
         return None, 1.0
     alone = evidence.fit(gain.terms, ((0.0, 0.0),))
     rest = (float(np.mean(np.square(evidence.left_over(alone)))) - evidence.sigma**2) / energy

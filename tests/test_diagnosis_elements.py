@@ -145,6 +145,24 @@ def test_simulator_of_any_kind_that_is_off_by_a_few_per_cent_is_a_miscalibration
     assert found.verdict == ["miscalibration"]
 
 
+@pytest.mark.parametrize("rate", [0.25, 0.5])
+def test_loop_that_turns_the_other_way_is_no_damping_though_one_sine_cannot_tell(rate: float) -> None:
+    time = np.arange(0.0, 30.0, INTERVAL)
+    x = 0.8 * np.sin(2.0 * np.pi * rate * time)
+
+    def lagging(x: Floats) -> Floats:
+        return 6.0 * x - sliders(x, ((1.2, 0.1), (0.8, 0.25), (0.6, 0.4)))
+
+    y = lagging(x)
+    found = emulate(
+        Signals(time, x, y + 0.01 * np.random.default_rng(0).standard_normal(x.size), y, [slice(0, x.size)], {}), None
+    )
+    moved = x - np.clip(x, -0.05, 0.05)
+    wanted = lagging(moved) - y
+    # Within the gap there is no speed; damping would vanish there at once.
+    assert np.std(found.predict(moved) - found.predict(x) - wanted) < 0.1 * np.std(wanted)
+
+
 def test_kinks_belong_to_the_spring_and_have_no_torque_at_rest() -> None:
     emulator = emulate(recorded(kinked), None)
     assert "kinks" in emulator.name

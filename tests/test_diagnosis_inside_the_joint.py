@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 from joints import sliders
 from numpy.typing import NDArray
-from scipy.signal import lfilter
+from scipy.signal import lfilter, lsim
 
 from hystbench import models
 from hystbench.diagnosis.delivery import deliver, sentence
@@ -67,6 +67,23 @@ def gap_off_centre(middle: float, half: float) -> Floats:
     return joint(X - np.clip(X - middle, -half, half) + np.clip(-middle, -half, half))
 
 
+def swinging(inertia: float, frequency: float, damping: float) -> Floats:
+    """Torque of a mass that swings on a compliance driven by the motion, from its equation of motion."""
+    mass = ([inertia * frequency**2, 0.0, 0.0], [1.0, 2.0 * damping * frequency, frequency**2])
+    return np.asarray(lsim(mass, X, TIME)[1])
+
+
+def rubbed_warm(tau: float) -> Floats:
+    """Temperature by friction's losses against cooling, from 0 to about 1."""
+    power = np.abs(friction(X) * SPEED)
+    warm = lfilter([STEP / tau], [1.0, STEP / tau - 1.0], power)
+    return np.asarray(warm / warm.max())
+
+
+def soft_limit(y: Floats, limit: float) -> Floats:
+    return np.where(y < 0.0, y / (1.0 + np.abs(y / limit) ** 6.0) ** (1.0 / 6.0), y)
+
+
 LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
     "warm grease": ("thermal_drift", lambda: spring(X) + friction(X) * (1.0 - 0.5 * (1.0 - np.exp(-TIME / 9.0)))),
     "room temperature": ("thermal_drift", lambda: joint(X) * (1.0 + 0.06 * np.sin(2.0 * np.pi * TIME / 30.0))),
@@ -84,6 +101,13 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
         "sensor_delay",
         lambda: lfilter([0.4], [1.0, -0.6], np.interp(TIME - 0.02, TIME, joint(X))),
     ),
+    "a mass on a compliant shaft": ("inertia", lambda: joint(X) + swinging(0.02, 9.0, 0.05)),
+    "spring and grease that warm up": (
+        "thermal_drift",
+        lambda: spring(X) * (1.0 + 0.05 * (np.exp(-TIME / 9.0) - 1.0)) + friction(X) * (1.0 + 0.5 * (np.exp(-TIME / 9.0) - 1.0)),
+    ),
+    "a spring that friction heats": ("thermal_drift", lambda: spring(X) * (1.0 - 0.3 * rubbed_warm(15.0)) + friction(X)),
+    "a soft limit on one side": ("torque_saturation", lambda: soft_limit(joint(X), 2.6)),
     "unequal limits": ("torque_saturation", lambda: np.clip(joint(X), -1.9, 2.4)),
     "a sensor's compression": ("torque_gain", lambda: joint(X) * (1.12 - 0.01 * np.abs(joint(X)))),
 }  # fmt: skip

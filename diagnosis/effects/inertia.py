@@ -6,9 +6,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import Effect, Floats, Form, Parameter, Scene
+from .base import Effect, Floats, Form, Parameter, Scene, geometric
 
 __all__ = ["Inertia"]
+
+AT_REST = 0.1
+"""Speed, over its standard deviation, that is standing still."""
 
 
 def _columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -20,17 +23,30 @@ def _behind_shaft(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return scene.signals.delayed(scene.signals.acceleration, shape[0])[:, None]
 
 
+def _on_spring(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    s, driven = scene.signals, scene.signals.acceleration.copy()
+    for run in s.runs:
+        # What starts to move at the recording's beginning is swung on; what was moving before is taken as settled.
+        if abs(s.speed[run][0]) < AT_REST * np.std(s.speed):
+            driven[run.start] = 0.0
+    return s.resonated(driven, *shape)[:, None]
+
+
 class Inertia(Effect):
     """Torque that accelerates a moving part which the simulator takes as massless."""
 
     id: ClassVar[str] = "inertia"
     title: ClassVar[str] = "inertia"
     summary: ClassVar[str] = "torque in proportion to acceleration (unmodelled moving mass, reflected rotor)"
-    equation: ClassVar[str] = "y += J d²x/dt², at t or at t − τ"
+    equation: ClassVar[str] = (
+        "y += J d²x/dt², at t or at t − τ, or y += z with d²z/dt² + 2ζω dz/dt + ω² z = ω² J d²x/dt²"
+    )
     coordinate: ClassVar[str] = "acceleration"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("inertia", "kg·m²", 0.0, np.inf, "moment of inertia"),
         Parameter("shaft_lag", "s", 0.0, np.inf, "time by which it follows behind a compliant shaft"),
+        Parameter("natural_frequency", "rad/s", 0.0, np.inf, "at which it swings on the transmission's compliance"),
+        Parameter("damping_ratio", "1", 0.0, 1.0, "of that swinging"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("torque_gain", "miscalibration", "stress_relaxation")
 
@@ -40,9 +56,14 @@ class Inertia(Effect):
         # A longer lag turns inertia into damping.
         pace = float(np.std(signals.speed)) / max(float(np.std(signals.acceleration)), 1e-300)
         longest = max(0.15 * pace, 0.1 * step)
+        # Slower, it would swing slower than the motion itself; faster than sampled, it is rigid.
+        motion = float(np.std(signals.speed)) / max(float(np.std(signals.smooth_x)), 1e-300)
+        swings = (1.5 * motion, 0.7 / step)
         free = (0.0,), (np.inf,)
         return [
             Form("rigid", ("inertia",), _columns, *free),
             Form("behind a shaft", ("inertia",), _behind_shaft, *free, ("shaft_lag",), (), [(0.02 * step, longest)], ("rigid",),
                  lambda shape, coefficients: (min(step, 0.5 * longest),)),
+            Form("behind a compliant transmission", ("inertia",), _on_spring, *free, ("natural_frequency", "damping_ratio"),
+                 [(w, d) for w in geometric(*swings, 10) for d in (0.04, 0.3)], [swings, (0.005, 0.6)]),
         ]  # fmt: skip

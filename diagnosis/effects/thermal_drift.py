@@ -17,13 +17,21 @@ def _warming(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return (1.0 - np.exp(-t / shape[0]) if shape else t)[:, None]
 
 
-def _self_heating(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    """Temperature by the joint's own losses, which go with |y v|, against cooling."""
+def _heated(scene: Scene, power: Floats, time_constant: float) -> Floats:
+    """Temperature by ``power`` (n,) against cooling, of a joint that starts cold."""
     s = scene.signals
-    power = np.abs(scene.torque * s.speed)
-    # The lag settles at its first input, so the joint starts cold where the power starts at zero.
-    warm = s.lowpass(power, shape[0]) - power[0] * np.exp(-s.elapsed / shape[0])
-    return warm[:, None]
+    # The lag settles at its first input.
+    return (s.lowpass(power, time_constant) - power[0] * np.exp(-s.elapsed / time_constant))[:, None]
+
+
+def _self_heating(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    """By what the drive puts in, |y v|, of which a drive and a gear lose their share."""
+    return _heated(scene, np.abs(scene.torque * scene.signals.speed), shape[0])
+
+
+def _friction_heating(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    """By what does not come back: the losses of the part with memory."""
+    return _heated(scene, np.abs(scene.friction * scene.signals.speed), shape[0])
 
 
 def _wave(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -48,6 +56,13 @@ def _of_both(drift: Columns) -> Columns:
     return lambda scene, shape: np.hstack([drift(scene, shape), drift(scene, shape) * scene.torque[:, None]])
 
 
+def _of_each(drift: Columns) -> Columns:
+    """Spring and grease warm up together, but not alike."""
+    return lambda scene, shape: np.hstack(
+        [drift(scene, shape) * part[:, None] for part in (scene.spring, scene.friction)]
+    )
+
+
 def _form(
     name: str,
     coefficients: tuple[str, ...],
@@ -68,13 +83,15 @@ class ThermalDrift(Effect):
     title: ClassVar[str] = "thermal drift"
     summary: ClassVar[str] = "zero or stiffness that drifts with time or temperature while the joint warms up"
     equation: ClassVar[str] = (
-        "y += a w, a w y_sim (or a part of it) or both,  w = 1 − exp(−t/τ), t, lagged |y v|, sin(2πt/P) with "
+        "y += a w, a w y_sim (or a part of it) or both, or w times a sum of its parts,  w = 1 − exp(−t/τ), t, lagged |y v|, sin(2πt/P) with "
         "b (cos(2πt/P) − 1), or temperature rise"
     )
     coordinate: ClassVar[str] = "time"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("zero_drift", "N·m, N·m/s, N·m/W or N·m/K", -np.inf, np.inf, "drift of the zero"),
         Parameter("stiffness_drift", "1, 1/s or 1/K", -np.inf, np.inf, "relative drift of the torque"),
+        Parameter("spring_drift", "1 or 1/W", -np.inf, np.inf, "relative drift of the elastic torque"),
+        Parameter("friction_drift", "1 or 1/W", -np.inf, np.inf, "relative drift of what has memory"),
         Parameter("zero_drift_cos", "N·m", -np.inf, np.inf, "b, cosine part of a slow wave of the zero"),
         Parameter("stiffness_drift_cos", "1", -np.inf, np.inf, "b, cosine part of a slow wave of the torque"),
         Parameter("time_constant", "s", 0.0, np.inf, "of warming up"),
@@ -94,6 +111,7 @@ class ThermalDrift(Effect):
         heating = ("time_constant",), times[1::2], limits
         heated = _form("stiffness, self-heating", stiffness, _of_stiffness(_self_heating), *heating)
         warmed = _form("stiffness, exponential", stiffness, _of_stiffness(_warming), *warming)
+        rubbed = _form("stiffness, friction heating", stiffness, _of_stiffness(_friction_heating), *heating)
         waved = _form("stiffness, slow wave", (*stiffness, "stiffness_drift_cos"), _of_stiffness(_wave), *waves)
         made = [
             _form("zero, linear", zero, _warming),
@@ -107,7 +125,16 @@ class ThermalDrift(Effect):
             _form("zero and stiffness, linear", zero + stiffness, _of_both(_warming)),
             _form("zero and stiffness, exponential", zero + stiffness, _of_both(_warming), *warming),
             _form("zero and stiffness, self-heating", zero + stiffness, _of_both(_self_heating), *heating),
+            _form("spring and friction, exponential", ("spring_drift", "friction_drift"), _of_each(_warming), *warming),
+            _form(
+                "spring and friction, self-heating",
+                ("spring_drift", "friction_drift"),
+                _of_each(_self_heating),
+                *heating,
+            ),
             *inside(heated, _self_heating),
+            rubbed,
+            *inside(rubbed, _friction_heating),
             *inside(warmed, _warming),
             *inside(waved, _wave),
         ]
@@ -115,6 +142,7 @@ class ThermalDrift(Effect):
             if "temp" in name.lower() and np.ptp(values) > 0.0:
                 rise = _channel(name)
                 made.append(_form(f"zero by {name}", zero, rise))
-                made.append(_form(f"stiffness by {name}", stiffness, _of_stiffness(rise)))
+                by_channel = _form(f"stiffness by {name}", stiffness, _of_stiffness(rise))
+                made += [by_channel, *inside(by_channel, rise)]
                 made.append(_form(f"zero and stiffness by {name}", zero + stiffness, _of_both(rise)))
         return made

@@ -29,6 +29,11 @@ def _soft(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return (scene.torque * ((1.0 + magnitude**power) ** (-1.0 / power) - 1.0))[:, None]
 
 
+def _soft_unequal(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    above, below, power = shape
+    return np.where(scene.torque > 0.0, _soft(scene, (above, power))[:, 0], _soft(scene, (below, power))[:, 0])[:, None]
+
+
 def _smooth(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return (shape[0] * np.tanh(scene.torque / shape[0]) - scene.torque)[:, None]
 
@@ -69,5 +74,8 @@ class TorqueSaturation(Effect):
             Form("soft", unit[0], _soft, unit[1], unit[2], ("limit", "sharpness"),
                  [(f * top, p) for f in (0.6, 0.8, 0.95, 1.15, 1.6) for p in (3.0, 7.0, 16.0)],
                  [(0.3 * top, 6.0 * top), (1.5, 40.0)]),
+            Form("soft, unequal limits", unit[0], _soft_unequal, unit[1], unit[2], ("limit", "limit_below", "sharpness"),
+                 [(a * top, b * top, 8.0) for f in (0.6, 0.8, 0.95, 1.15) for a, b in ((f, 3.0), (3.0, f))],
+                 [(0.3 * top, 6.0 * top), (0.3 * top, 6.0 * top), (1.5, 40.0)]),
             Form("smooth", unit[0], _smooth, unit[1], unit[2], ("limit",), wide, [(0.3 * top, 10.0 * top)]),
         ]  # fmt: skip
