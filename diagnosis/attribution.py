@@ -8,6 +8,7 @@ every subset of the others (Lindeman, Merenda & Gold 1980; Owen, SIAM/ASA J. Unc
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import factorial
@@ -82,8 +83,7 @@ def locate(signals: Signals, explained: dict[str, Floats], floor: float, seed: i
     index = [np.arange(start, stop) for start, stop in pairwise(ends)]
     rng = np.random.default_rng(seed)
 
-    def shares(rows: NDArray[np.intp]) -> dict[str, float]:
-        found = _shapley(grams[rows].sum(axis=0), names, index)
+    def shares(rows: NDArray[np.intp], found: dict[str, float]) -> dict[str, float]:
         samples = float(np.diff(edges)[rows].sum())
         total = dict.fromkeys(names, 0.0)
         left = max(sum(found.values()), 0.0)
@@ -97,8 +97,11 @@ def locate(signals: Signals, explained: dict[str, Floats], floor: float, seed: i
         everything = sum(total.values())
         return {name: value / everything if everything > 0.0 else 0.0 for name, value in total.items()}
 
-    whole = shares(np.arange(BLOCKS))
-    drawn = [shares(rng.integers(0, BLOCKS, BLOCKS)) for _ in range(RESAMPLES)]
+    draws = [np.arange(BLOCKS), *(rng.integers(0, BLOCKS, BLOCKS) for _ in range(RESAMPLES))]
+    values = _shapley(np.stack([grams[rows].sum(axis=0) for rows in draws]), index)
+    whole, *drawn = (
+        shares(rows, dict(zip(names, found.tolist(), strict=True))) for rows, found in zip(draws, values, strict=True)
+    )
     made = []
     for name in sorted(whole, key=lambda n: -whole[n]):
         if whole[name] < 0.005:
@@ -111,28 +114,28 @@ def locate(signals: Signals, explained: dict[str, Floats], floor: float, seed: i
     return made
 
 
-def _shapley(gram: Floats, names: list[str], index: list[NDArray[np.intp]]) -> dict[str, float]:
-    """Shapley values of the explained energy from the products of all columns (the last one is the target)."""
-    size = len(names)
-    target = gram.shape[0] - 1
-    scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    scaled = gram / np.outer(scale, scale)
-    worth = np.zeros(1 << size)
-    for subset in range(1, 1 << size):
+def _shapley(grams: Floats, index: Sequence[NDArray[np.intp]]) -> Floats:
+    """Shapley values of the explained energy, shape (m, blocks), from the products of all columns, shape (m, k, k).
+
+    The last column is the target; ``index`` are the columns of each block.
+    """
+    size, target = len(index), grams.shape[1] - 1
+    scale = np.sqrt(np.maximum(np.einsum("mii->mi", grams), 1e-300))
+    scaled = grams / (scale[:, :, None] * scale[:, None, :])
+    energy = grams[:, target, target]
+    worth = np.empty((1 << size, grams.shape[0]))
+    for subset in range(1 << size):
         columns = np.concatenate([[0], *(index[k] for k in range(size) if subset >> k & 1)])
-        part = scaled[np.ix_(columns, columns)] + 1e-6 * np.eye(columns.size)
-        moment = scaled[columns, target]
-        worth[subset] = float(moment @ np.linalg.solve(part, moment)) * gram[target, target]
-    worth[0] = float(scaled[0, target] ** 2) * gram[target, target]
-    found = {}
-    for k, name in enumerate(names):
-        total = 0.0
+        part = scaled[:, columns[:, None], columns] + 1e-6 * np.eye(columns.size)
+        moment = scaled[:, columns, target]
+        worth[subset] = np.einsum("mi,mi->m", moment, np.linalg.solve(part, moment[:, :, None])[:, :, 0]) * energy
+    found = np.zeros((grams.shape[0], size))
+    for k in range(size):
         for subset in range(1 << size):
             if not subset >> k & 1:
-                others = bin(subset).count("1")
+                others = subset.bit_count()
                 weight = factorial(others) * factorial(size - others - 1) / factorial(size)
-                total += weight * (worth[subset | 1 << k] - worth[subset])
-        found[name] = total
+                found[:, k] += weight * (worth[subset | 1 << k] - worth[subset])
     return found
 
 

@@ -46,6 +46,8 @@ TRUSTED = 6000.0
 """Samples beyond which evidence does not grow."""
 ENOUGH = 2500
 """Samples on which shapes are refined."""
+KEPT = 5
+"""Parts of a recording for which what is needed to judge hypotheses on them is kept: a set of folds."""
 ORDER = {INPUT: 0, TORQUE: 1, SENSOR: 2}
 
 
@@ -230,6 +232,7 @@ class Evidence:
             self._modes[scale] = ratio / (1.0 + ratio), rotation, 0.5 * float(np.sum(np.log1p(self.thinning * ratio)))
         self._gap_in_basis = self._basis.T @ self.gap
         self.gap_energy = float(self.gap @ self.gap)
+        self._parts: dict[bytes, Evidence] = {}
         self.inadequacy = (INADEQUACY**2) * max(self.gap_energy / self.gap.size - self.sigma**2, 0.0)
 
     @property
@@ -259,6 +262,15 @@ class Evidence:
         rows = np.zeros_like(self.rows)
         rows[np.flatnonzero(self.rows)[::step]] = True
         return Evidence(self.scene, rows, self.fitted)
+
+    def on(self, rows: NDArray[np.bool_]) -> Evidence:
+        """The same on some samples only, kept for the next hypothesis that is judged on them."""
+        key = np.packbits(rows).tobytes()
+        if key not in self._parts:
+            if len(self._parts) >= KEPT:
+                del self._parts[next(iter(self._parts))]
+            self._parts[key] = Evidence(self.scene, rows, self.fitted)
+        return self._parts[key]
 
     def inside(self, columns: Floats) -> Floats:
         """Components in the simulator's tangent space, shape (m,) or (m, k)."""

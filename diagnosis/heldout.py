@@ -77,7 +77,7 @@ def held_out(evidence: Evidence, hypothesis: Hypothesis, evaluations: int = 4) -
     parts = {name: np.zeros(n) for name in hypothesis.names}
     for kept, out in _folds(evidence, _blocks(hypothesis.signal)):
         seen = kept & evidence.rows
-        part = Evidence(evidence.scene, seen, evidence.fitted)
+        part = evidence.on(seen)
         fitted = part.fit(hypothesis.terms, (hypothesis.scale,))
         if evaluations:
             fitted = part.refine(fitted, evaluations, (hypothesis.scale,))

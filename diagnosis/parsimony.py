@@ -43,8 +43,9 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
         known = by_names.get(names)
         if known is None:
             return None, np.inf
-        fitted = evidence.fit(known.terms, (top.scale,))
-        fitted.by_scale = known.by_scale
+        laws = [known.terms, *([known.beside_exact.terms] if known.beside_exact else ())]
+        fitted = min((evidence.fit(terms, (top.scale,)) for terms in laws), key=lambda h: h.rss)
+        fitted.by_scale, fitted.beside_exact = known.by_scale, known.beside_exact
         return fitted, (fitted.rss - top.rss) / evidence.size / energy
 
     def is_adequate(hypothesis: Hypothesis) -> bool:
@@ -73,9 +74,14 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
                     options.append((loss, other))
         if options:
             best, changed = min(options, key=lambda option: option[0])[1], True
+    if best is top:
+        return best
     # What little was left out may be the simulator's: the rest is judged beside the simulator that suits it.
     own = by_names[best.names]
-    return own if best is not top and own.score > best.score else best
+    own = own if own.score > best.score else best
+    # ``ranked`` begins with the most probable: one as simple that comes before was not what the first was simplified to.
+    rival = next(h for h in ranked if 0 < len(h.terms) <= len(best.terms))
+    return rival if ranked.index(rival) < ranked.index(by_names[best.names]) and rival.score > own.score else own
 
 
 def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, energy: float) -> Hypothesis:

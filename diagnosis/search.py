@@ -183,8 +183,7 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
                 *((*_successors(evidence, fitted), *_siblings(evidence, fitted)) if size == 1 else ()),
             ):
                 _keep(refined, better, numbers)
-                if size == 1:
-                    _note_exact(exact, better)
+                _note_exact(exact, better)
         if size == 1:
             for better, numbers in _beside_exact(library):
                 _keep(refined, better, numbers)
@@ -198,6 +197,7 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
                     *_other_laws(library, fitted),
                 ):
                     _keep(refined, better, numbers)
+                    _note_exact(exact, better)
         if size == 1:
             # Every effect is reported on, also those that are far from the best.
             for _, numbers in ranked[count:]:
@@ -212,7 +212,7 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
             grown = [term for fitted, _ in ordered[:wide] for term in fitted.terms]
             added = iter(library.add(grown))
             beam = [(tuple(next(added) for _ in fitted.terms), _likely_scales(fitted)) for fitted, _ in ordered[:wide]]
-    found = _with_shapes_of_larger(evidence, found)
+    found = _with_shapes_of_larger(evidence, found, exact)
     for hypothesis in found:
         if hypothesis.names in exact:
             hypothesis.beside_exact = evidence.fit(exact[hypothesis.names].terms, evidence.exact)
@@ -228,7 +228,7 @@ def _keep(
 
 
 def _note_exact(best: dict[frozenset[str], Hypothesis], fitted: Hypothesis) -> None:
-    """Keep in ``best`` what does best beside an exact simulator, for effects alone."""
+    """Keep in ``best`` what does best of each set of effects beside an exact simulator."""
 
     def beside(hypothesis: Hypothesis) -> float:
         return max(score for scale, score in hypothesis.by_scale.items() if not is_refitted(scale))
@@ -254,8 +254,12 @@ def _beside_exact(library: Library) -> list[tuple[Hypothesis, tuple[int, ...]]]:
     return made
 
 
-def _with_shapes_of_larger(evidence: Evidence, found: Sequence[Hypothesis]) -> list[Hypothesis]:
+def _with_shapes_of_larger(
+    evidence: Evidence, found: Sequence[Hypothesis], exact: dict[frozenset[str], Hypothesis]
+) -> list[Hypothesis]:
     """The same sets of effects with the shapes that the best larger sets found, where those are better.
+
+    What does better beside an exact simulator is noted in ``exact``.
 
     An effect in company may end in a better minimum than alone; the company should not get the credit.
     """
@@ -265,6 +269,8 @@ def _with_shapes_of_larger(evidence: Evidence, found: Sequence[Hypothesis]) -> l
         for hypothesis in larger:
             for k in range(size):
                 fewer = evidence.fit(hypothesis.terms[:k] + hypothesis.terms[k + 1 :])
+                if size > 2:
+                    _note_exact(exact, fewer)
                 if fewer.names in best and fewer.score > best[fewer.names].score:
                     best[fewer.names] = evidence.refine(fewer)
     return sorted(best.values(), key=lambda h: (len(h.terms), -h.score))

@@ -54,10 +54,8 @@ STAND_IN, STAND_IN_COMPANY = 7.0, 9.0
 """Logarithm of the odds against these where the loop's fine structure is off too: then the simulator is to blame."""
 BALANCED = 2.0
 """Size of an effect over the gap's beyond which others would have to cancel it: that is no explanation."""
-ONE_FACTOR = 0.005
-"""Share of the gap's energy that one factor on the torque may leave to be more than a coincidence of several errors."""
 SEVERAL = 0.02
-"""The same where it is several errors rather than one factor."""
+"""Share of the gap's energy that one factor on the torque leaves where it is several errors rather than one factor."""
 NO_BETTER = 8.0
 """Logarithm of the odds up to which an effect beside an exact simulator is no better than a simulator that is off:
 every simulator is, by a little, and its errors are what such an effect would imitate."""
@@ -155,11 +153,7 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     best = _rather_off(evidence, best, found, size)
     refit = _judge_refit(evidence, best, energy)
     own = best.score + _prior(evidence, best, size)
-    factor, rest = _one_factor(evidence, found, energy)
-    if factor is not None and not best.terms and refit.miscalibrated and rest < ONE_FACTOR:
-        best, own = factor, factor.score + _prior(evidence, factor, size)
-        refit = _judge_refit(evidence, best, energy)
-    elif factor is not None and best.names == {GAIN} and is_refitted(best.scale) and rest > SEVERAL:
+    if best.names == {GAIN} and is_refitted(best.scale) and _beside_one_factor(evidence, best, energy) > SEVERAL:
         best, own = blank, blank.score
         refit = _judge_refit(evidence, best, energy)
     if best.terms and refit.miscalibrated and not evidence.fitted and not is_needed(best):
@@ -269,14 +263,12 @@ def _is_nearer(hypothesis: Hypothesis, blank: Hypothesis) -> bool:
     return hypothesis.scale != blank.scale and all(a <= b for a, b in zip(hypothesis.scale, blank.scale, strict=True))
 
 
-def _one_factor(evidence: Evidence, found: Sequence[Hypothesis], energy: float) -> tuple[Hypothesis | None, float]:
-    """A gain beside an exact simulator, and the share of the gap that it leaves; None where noise would decide."""
-    gain = next((h for h in found if h.names == {GAIN}), None)
-    if gain is None or count_unknowns(gain.terms) > 1 or evidence.fitted or energy < SMALL**2 * evidence.sigma**2:
-        return None, 1.0
+def _beside_one_factor(evidence: Evidence, gain: Hypothesis, energy: float) -> float:
+    """Share of the gap that a gain beside an exact simulator leaves; 0 where noise would decide."""
+    if evidence.fitted or energy < SMALL**2 * evidence.sigma**2:
+        return 0.0
     alone = evidence.fit(gain.terms, ((0.0, 0.0),))
-    rest = (float(np.mean(np.square(evidence.left_over(alone)))) - evidence.sigma**2) / energy
-    return evidence.fit(gain.terms, evidence.exact), rest
+    return (float(np.mean(np.square(evidence.left_over(alone)))) - evidence.sigma**2) / energy
 
 
 def _is_nested(one: Hypothesis, other: Hypothesis) -> bool:
