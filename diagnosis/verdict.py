@@ -248,8 +248,8 @@ def _rather_off(evidence: Evidence, best: Hypothesis, found: Sequence[Hypothesis
     made = []
     for name in best.names:
         rest = next((h for h in found if h.names == best.names - {name}), None)
-        if rest is None or (name in STANDS_IN and best.scale[0] < FINE):
-            # One factor on all that an exact simulator says is no error of its parameters.
+        if rest is None or (name in STANDS_IN and rest.terms):
+            # Beside others these are charged for it already.
             continue
         scale = max((s for s in rest.by_scale if is_refitted(s)), key=rest.by_scale.__getitem__)
         made.append(replace(evidence.fit(rest.terms, (scale,)), by_scale=rest.by_scale))
