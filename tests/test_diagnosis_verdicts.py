@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,7 +17,9 @@ from hystbench.bench.cells import fitted_on
 from hystbench.datasets import Dataset, DatasetUnavailableError, Recording, concatenate
 from hystbench.datasets.recording_files import DEFAULT_TIME, DEFAULT_X, write_recording
 from hystbench.diagnosis.adequacy import forgiven
-from hystbench.diagnosis.diagnosis import diagnose
+from hystbench.diagnosis.blind.cases import Case, bank
+from hystbench.diagnosis.blind.plants import plant_of
+from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
 from hystbench.diagnosis.excitation import design_next, margins
 from hystbench.diagnosis.from_benchmark import diagnose_model, gap_signals
 from hystbench.diagnosis.inputs import read_inputs
@@ -52,7 +55,22 @@ def signals_of(time: Floats, x: Floats, y_real: Floats, y_sim: Floats, seed: int
     return Signals(time, x, y_real + noise, y_sim, [slice(0, x.size)], {})
 
 
+def developed(plants: Sequence[str], seed: int) -> tuple[Case, Diagnosis]:
+    """A case of the development bank and what is said of it."""
+    (case,) = [case for case in bank(plants, 1, 1000 * (seed // 1000)) if case.seed == seed]
+    joint, time, x = plant_of(case, 45.0)
+    made = joint.record(time, x, np.random.default_rng([case.seed, 3]))
+    return case, diagnose(Signals(made.time, made.x, made.y_real, made.y_sim, [slice(0, x.size)], {}))
+
+
 # ---- a simulator that is off -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("plants", "seed"), [(("varied",), 12156), (("slip", "bouc-wen"), 12328)])
+def test_several_small_errors_of_a_simulator_are_no_gain(plants: Sequence[str], seed: int) -> None:
+    case, found = developed(plants, seed)
+    assert case.effects == ()
+    assert found.verdict == ["miscalibration"]
 
 
 def test_an_asymmetric_spring_that_is_off_brings_no_offset() -> None:
@@ -114,6 +132,14 @@ def _relaxing_branch(time: Floats, x: Floats, constant: float) -> Floats:
     for i in range(1, x.size):
         out[i] = keep * out[i - 1] + constant / step * (1.0 - keep) * (x[i] - x[i - 1])
     return out
+
+
+@pytest.mark.parametrize("seed", [11034, 11041, 11111])
+def test_two_effects_keep_their_laws_beside_an_exact_simulator(seed: int) -> None:
+    """A refitted simulator led them to other laws, so that they were left out in favour of what imitates them."""
+    case, found = developed(["varied"], seed)
+    assert len(case.effects) == 2
+    assert set(found.verdict) == set(case.effects)
 
 
 def test_an_effect_is_named_though_the_simulators_errors_hide_a_part_of_it() -> None:
