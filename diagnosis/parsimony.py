@@ -10,7 +10,7 @@ import numpy as np
 from .adequacy import ALMOST_ALL, INEXACT_NEAR, forgiven_here, left_by
 from .evidence import Evidence, Hypothesis, is_refitted
 
-__all__ = ["fewest", "simplest"]
+__all__ = ["fewest", "simplest", "special_cases"]
 
 WORTH = 0.04
 """Share of the gap's energy that an effect must close beside the others."""
@@ -80,8 +80,14 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
     own = by_names[best.names]
     own = own if own.score > best.score else best
     # ``ranked`` begins with the most probable: one as simple that comes before was not what the first was simplified to.
-    rival = next(h for h in ranked if 0 < len(h.terms) <= len(best.terms))
-    return rival if ranked.index(rival) < ranked.index(by_names[best.names]) and rival.score > own.score else own
+    before = ranked[: ranked.index(by_names[best.names])]
+    rival = next((h for h in before if 0 < len(h.terms) <= len(best.terms) and special_cases(h) != best.names), own)
+    return rival if rival.score > own.score else own
+
+
+def special_cases(hypothesis: Hypothesis) -> frozenset[str]:
+    """Names of the effects with the general ones replaced by their special cases."""
+    return frozenset(name for t in hypothesis.terms for name in (t.effect.contains or (t.effect.id,)))
 
 
 def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, energy: float) -> Hypothesis:

@@ -13,7 +13,7 @@ from .calibration import CONFIDENCE, confidence
 from .evidence import FINE, Evidence, Hypothesis, count_unknowns, is_refitted
 from .heldout import HeldOut, held_out, rms, structured_power
 from .hum import hum
-from .parsimony import fewest, simplest
+from .parsimony import fewest, simplest, special_cases
 from .quantisation import torque_step
 from .signals import Signals
 
@@ -54,11 +54,15 @@ STAND_IN, STAND_IN_COMPANY = 7.0, 9.0
 """Logarithm of the odds against these where the loop's fine structure is off too: then the simulator is to blame."""
 BALANCED = 2.0
 """Size of an effect over the gap's beyond which others would have to cancel it: that is no explanation."""
+ONE_FACTOR = 0.005
+"""Share of the gap's energy that one factor on the torque may leave to be more than a coincidence of several errors."""
+AGAINST_ONE_FACTOR = 20.0
+"""Logarithm of the odds against one factor beyond which it is a coincidence in any case."""
 SEVERAL = 0.02
-"""Share of the gap's energy that one factor on the torque leaves where it is several errors rather than one factor."""
-NO_BETTER = 8.0
-"""Logarithm of the odds up to which an effect beside an exact simulator is no better than a simulator that is off:
-every simulator is, by a little, and its errors are what such an effect would imitate."""
+"""Share of the gap's energy that one factor leaves where it is several errors rather than one factor."""
+NO_BETTER = 4.0
+"""Logarithm of the odds, for each constant of its law, up to which an effect beside an exact simulator is no better than a
+simulator that is off: every simulator is, by a little, and its errors are what such an effect would imitate."""
 SMALL = 3.0
 """Gap over noise below which such a share cannot be told."""
 CLEARLY_WORSE = 0.004
@@ -153,7 +157,15 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     best = _rather_off(evidence, best, found, size)
     refit = _judge_refit(evidence, best, energy)
     own = best.score + _prior(evidence, best, size)
-    if best.names == {GAIN} and is_refitted(best.scale) and _beside_one_factor(evidence, best, energy) > SEVERAL:
+    gain = next((h for h in found if h.names == {GAIN}), None)
+    if gain is not None and not best.terms and refit.miscalibrated:
+        plain = next(form for form in gain.terms[0].effect.forms(evidence.scene) if not form.shapes)
+        factor = evidence.fit((replace(gain.terms[0], form=plain, shape=()),), evidence.exact)
+        likely = factor.score + _prior(evidence, factor, size)
+        if likely > own - AGAINST_ONE_FACTOR and _beside_one_factor(evidence, factor, energy) < ONE_FACTOR:
+            best, own = factor, likely
+            refit = _judge_refit(evidence, best, energy)
+    elif best.names == {GAIN} and is_refitted(best.scale) and _beside_one_factor(evidence, best, energy) > SEVERAL:
         best, own = blank, blank.score
         refit = _judge_refit(evidence, best, energy)
     if best.terms and refit.miscalibrated and not evidence.fitted and not is_needed(best):
@@ -245,17 +257,20 @@ def _rather_off(evidence: Evidence, best: Hypothesis, found: Sequence[Hypothesis
     """``best``, or the same with a simulator that is off in place of one of its effects where that is no worse."""
     if evidence.fitted or is_refitted(best.scale):
         return best
+    own = best.score + _prior(evidence, best, size)
     made = []
-    for name in best.names:
+    for term in best.terms:
+        name = term.effect.id
         rest = next((h for h in found if h.names == best.names - {name}), None)
-        if rest is None or (name in STANDS_IN and rest.terms):
-            # Beside others these are charged for it already.
+        if rest is None or (name in STANDS_IN and (rest.terms or best.scale[0] < FINE)):
+            # Beside others these are charged for it already; one factor on all that an exact simulator says is no error.
             continue
         scale = max((s for s in rest.by_scale if is_refitted(s)), key=rest.by_scale.__getitem__)
-        made.append(replace(evidence.fit(rest.terms, (scale,)), by_scale=rest.by_scale))
-    own = best.score + _prior(evidence, best, size)
-    off = max(made, key=lambda h: h.score + _prior(evidence, h, size), default=best)
-    return off if own - off.score - _prior(evidence, off, size) < NO_BETTER else best
+        off = replace(evidence.fit(rest.terms, (scale,)), by_scale=rest.by_scale)
+        worse = own - off.score - _prior(evidence, off, size)
+        if worse < NO_BETTER * count_unknowns([term]):
+            made.append((worse, off))
+    return min(made, key=lambda pair: pair[0])[1] if made else best
 
 
 def _is_nearer(hypothesis: Hypothesis, blank: Hypothesis) -> bool:
@@ -264,22 +279,17 @@ def _is_nearer(hypothesis: Hypothesis, blank: Hypothesis) -> bool:
 
 
 def _beside_one_factor(evidence: Evidence, gain: Hypothesis, energy: float) -> float:
-    """Share of the gap that a gain beside an exact simulator leaves; 0 where noise would decide."""
+    """Share of the gap that a gain beside an exact simulator leaves; of none it is told where noise would decide."""
     if evidence.fitted or energy < SMALL**2 * evidence.sigma**2:
-        return 0.0
+        return 0.5 * (ONE_FACTOR + SEVERAL)
     alone = evidence.fit(gain.terms, ((0.0, 0.0),))
     return (float(np.mean(np.square(evidence.left_over(alone)))) - evidence.sigma**2) / energy
 
 
 def _is_nested(one: Hypothesis, other: Hypothesis) -> bool:
     """Whether one explanation is a special case of the other."""
-    a, b = _simplified(one), _simplified(other)
+    a, b = special_cases(one), special_cases(other)
     return a <= b or b <= a
-
-
-def _simplified(hypothesis: Hypothesis) -> frozenset[str]:
-    """Names of the effects with the general ones replaced by their special cases."""
-    return frozenset(name for t in hypothesis.terms for name in (t.effect.contains or (t.effect.id,)))
 
 
 def _weigh(
@@ -306,7 +316,7 @@ def _weigh(
         if hypothesis.terms and hypothesis.score < known.get(rest, blank.score) + idle:
             # What stands in for the verdict here is the refitted simulator, not this effect.
             against = 0.0
-        elif _simplified(hypothesis) == best.names != hypothesis.names:
+        elif special_cases(hypothesis) == best.names != hypothesis.names:
             # The more general effect is no other cause.
             against = 0.0
         elif own - score < near:

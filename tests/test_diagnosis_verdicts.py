@@ -66,7 +66,7 @@ def developed(plants: Sequence[str], seed: int) -> tuple[Case, Diagnosis]:
 # ---- a simulator that is off -----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("plants", "seed"), [(("varied",), 12156), (("slip", "bouc-wen"), 12328)])
+@pytest.mark.parametrize(("plants", "seed"), [(("varied",), 12156), (("varied",), 11147)])
 def test_several_small_errors_of_a_simulator_are_no_gain(plants: Sequence[str], seed: int) -> None:
     case, found = developed(plants, seed)
     assert case.effects == ()

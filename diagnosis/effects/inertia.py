@@ -56,9 +56,8 @@ class Inertia(Effect):
         # A longer lag turns inertia into damping.
         pace = float(np.std(signals.speed)) / max(float(np.std(signals.acceleration)), 1e-300)
         longest = max(0.15 * pace, 0.1 * step)
-        # Slower, it would swing slower than the motion itself; faster than sampled, it is rigid.
-        motion = float(np.std(signals.speed)) / max(float(np.std(signals.smooth_x)), 1e-300)
-        swings = (1.5 * motion, 0.7 / step)
+        # Within the motion's band it would be a resonance, which is another matter; faster than sampled, it is rigid.
+        swings = (2.0 / pace, 0.7 / step)
         free = (0.0,), (np.inf,)
         return [
             Form("rigid", ("inertia",), _columns, *free),
