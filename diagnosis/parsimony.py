@@ -99,7 +99,8 @@ def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, e
     if evidence.fitted or not best.terms or (len(best.terms) == 1 and not is_refitted(best.scale)):
         return best
     close = best.beside_exact
-    if close is not None and close.score > best.score - HARDLY_WORSE * evidence.effective:
+    few = len(best.terms) < 3
+    if few and close is not None and close.score > best.score - HARDLY_WORSE * evidence.effective:
         return _in_place_of(best, close)
     gap = float(np.sqrt(energy)) / evidence.sigma
     if gap < WELL_ABOVE:

@@ -64,5 +64,5 @@ class Inertia(Effect):
             Form("behind a shaft", ("inertia",), _behind_shaft, *free, ("shaft_lag",), (), [(0.02 * step, longest)], ("rigid",),
                  lambda shape, coefficients: (min(step, 0.5 * longest),)),
             Form("behind a compliant transmission", ("inertia",), _on_spring, *free, ("natural_frequency", "damping_ratio"),
-                 [(w, d) for w in geometric(*swings, 10) for d in (0.04, 0.3)], [swings, (0.005, 0.6)]),
+                 [(w, d) for w in geometric(*swings, 10) for d in (0.04, 0.2)], [swings, (0.005, 0.3)]),
         ]  # fmt: skip
