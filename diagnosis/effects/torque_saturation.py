@@ -45,7 +45,7 @@ class TorqueSaturation(Effect):
     title: ClassVar[str] = "torque saturation"
     summary: ClassVar[str] = "torque that cannot exceed a limit (sensor range, current limit, slipping clutch)"
     equation: ClassVar[str] = (
-        "y = clip(y_sim, ±L) (with other limits below zero, or a part h of it), y_sim/(1 + |y_sim/L|^p)^(1/p) or L tanh(y_sim/L)"
+        "y = clip(y_sim, ±L) (or a part h of it) or y_sim/(1 + |y_sim/L|^p)^(1/p), each also with another limit below zero, or L tanh(y_sim/L)"
     )
     coordinate: ClassVar[str] = "load"
     acts_on: ClassVar[str] = SENSOR
