@@ -15,7 +15,8 @@ from .attribution import Place, locate
 from .effects.base import Effect
 from .emulation import SimulatorScene, emulate
 from .evidence import Evidence, Hypothesis
-from .heldout import HeldOut, closed_share, held_out, rms, structured_power
+from .heldout import HeldOut, closed_share, held_out, structured_power
+from .operators import rms
 from .refitting import refitted_beside
 from .search import Library, search
 from .signals import Signals

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.bouc_wen import BoucWen
-from .operators import hyperbolic, lowpass, plays, yielding
+from .operators import hyperbolic, lowpass, plays, rms, yielding
 
 __all__ = [
     "ELASTIC",
@@ -242,7 +242,7 @@ def kinks_moved(motion: Motion, sizes: Floats, weights: Floats) -> Floats:
 
 def uncancelled(columns: Floats) -> Floats:
     """Columns (n, k) of which none is larger than their sum: what cancels is no parameter of the simulator."""
-    whole = float(np.sqrt(np.mean(np.square(columns.sum(axis=1)))))
+    whole = rms(columns.sum(axis=1))
     sizes = np.sqrt(np.mean(np.square(columns), axis=0))
     return columns * np.minimum(1.0, whole / np.maximum(sizes, 1e-300))
 

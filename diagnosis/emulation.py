@@ -13,7 +13,6 @@ loop width, scale of the deflection, rates), in which it differs only if it is b
 
 from __future__ import annotations
 
-import itertools
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, replace
@@ -38,8 +37,8 @@ from .elements import (
     torque_of,
     uncancelled,
 )
-from .operators import bristle, plays, weighed
-from .selection import Selection, solve, spread, triangle
+from .operators import bristle, plays, rms, weighed
+from .selection import Selection, places_of, solve, spread, triangle
 from .signals import Signals, differentiate
 
 __all__ = [
@@ -217,7 +216,7 @@ def _of_model(model: Any, signals: Signals, structure: Floats, bulk: Floats, spl
 
 
 def _relative_error(predicted: Floats, wanted: Floats) -> float:
-    return float(np.sqrt(np.mean(np.square(predicted - wanted))) / max(float(np.std(wanted)), 1e-300))
+    return rms(predicted - wanted) / max(float(np.std(wanted)), 1e-300)
 
 
 class Generalised:
@@ -258,23 +257,24 @@ class Generalised:
         free |= {name: made[name] for name in made if not KINDS[name].one_sign}
         bounded = {STOPS: sign * stops} | {name: sign * made[name] for name in made if KINDS[name].one_sign}
         columns = np.hstack([*free.values(), *bounded.values()])
-        several = sum(part.shape[1] for part in free.values())
-        edges = np.cumsum([0, *(part.shape[1] for part in (*free.values(), *bounded.values()))]).tolist()
+        places, several = places_of(free | bounded), sum(part.shape[1] for part in free.values())
         rows = triangle(columns, signals.y_sim)
-        solution = solve(rows, elastic.shape[1], several, signals.x.size)
-        self.error = _relative_error(columns @ solution, signals.y_sim)
+
+        def solved(at: NDArray[np.intp]) -> tuple[Floats, float]:
+            """Weights of the columns ``at``, zero of the others, and the error that they leave."""
+            weights = np.zeros(columns.shape[1])
+            free_ones = int(np.count_nonzero(at < several))
+            weights[at] = solve(rows[:, [*at, -1]], elastic.shape[1], free_ones, signals.x.size)
+            return weights, _relative_error(columns @ weights, signals.y_sim)
+
+        everything = np.arange(columns.shape[1])
+        solution, self.error = solved(everything)
         # Speed is as good as friction where all strokes are alike, but it answers quite differently to another input:
         # it has to be needed.
-        kept = np.delete(np.arange(columns.shape[1]), np.s_[edges[2] : edges[3]])
-        calm = np.zeros_like(solution)
-        calm[kept] = solve(rows[:, [*kept, -1]], elastic.shape[1], several - (edges[3] - edges[2]), signals.x.size)
-        without = _relative_error(columns @ calm, signals.y_sim)
+        calm, without = solved(np.delete(everything, places["rates"]))
         if without < RATES_NEEDED * self.error:
             solution, self.error = calm, without
-        found = {
-            name: solution[a:b] * (sign if name in bounded else 1.0)
-            for name, (a, b) in zip([*free, *bounded], itertools.pairwise(edges), strict=True)
-        }
+        found = {name: solution[at] * (sign if name in bounded else 1.0) for name, at in places.items()}
         self.elastic, self.placed, self.rates, self.weights = (
             found.pop(name) for name in (ELASTIC, "placed", "rates", STOPS)
         )

@@ -19,6 +19,7 @@ from scipy.optimize import least_squares
 
 from .effects.base import INPUT, SENSOR, TORQUE, Effect, Form
 from .emulation import SimulatorScene
+from .operators import rms
 
 __all__ = ["Evidence", "Hypothesis", "Term", "boxed_least_squares", "is_refitted", "trusted"]
 
@@ -215,7 +216,7 @@ class Evidence:
         self.sigma = scene.signals.noise_floor
         if not fitted:
             # Noise far below the gap makes any misfit significant, and no two models agree that well.
-            self.sigma = max(self.sigma, FINEST * float(np.sqrt(np.mean(np.square(scene.signals.gap)))))
+            self.sigma = max(self.sigma, FINEST * rms(scene.signals.gap))
         structure, bulk = scene.emulator.structure[self.rows], scene.emulator.bulk[self.rows]
         left, singular, right = np.linalg.svd(np.hstack([structure, bulk]), full_matrices=False)
         kept = singular > 1e-5 * max(float(singular[0]), 1e-300)

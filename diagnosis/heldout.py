@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .evidence import Evidence, Hypothesis
+from .operators import rms
 
-__all__ = ["HeldOut", "closed_share", "held_out", "rms", "structured_power"]
+__all__ = ["HeldOut", "closed_share", "held_out", "structured_power"]
 
 Floats = NDArray[np.float64]
 FOLDS = 5
@@ -120,11 +121,6 @@ def closed_share(gap: Floats, after: Floats, floor: float, seed: int) -> tuple[f
     interval = np.percentile(np.clip(share(drawn), -10.0, 1.5), [5.0, 95.0])
     low, high = sorted((min(float(interval[0]), everything), max(float(interval[1]), everything)))
     return rms(after), everything, [low, high]
-
-
-def rms(series: Floats) -> float:
-    """Root of the mean square."""
-    return float(np.sqrt(np.mean(np.square(series))))
 
 
 def structured_power(series: Floats, runs: Sequence[slice], stride: int = 1) -> float:

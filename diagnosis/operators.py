@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["bristle", "free_flight", "hyperbolic", "lowpass", "plays", "resonated", "weighed", "yielding"]
+__all__ = ["bristle", "free_flight", "hyperbolic", "lowpass", "plays", "resonated", "rms", "weighed", "yielding"]
 
 Floats = NDArray[np.float64]
 
@@ -149,7 +149,7 @@ def free_flight(
 
 
 def resonated(time: Floats, u: Floats, frequency: float, damping: float) -> Floats:
-    """``u`` (n,) through a resonator of unit static gain that starts at rest, shape (n,).
+    """``u`` (n,) through a resonator of unit static gain that starts settled, shape (n,).
 
     ``frequency`` is its natural frequency (rad/s), ``damping`` its damping ratio, below one.
     """
@@ -212,3 +212,8 @@ def lowpass(time: Floats, signal: Floats, tau: float) -> Floats:
     out = np.empty(signal.size)
     _lowpass(np.ascontiguousarray(time), np.ascontiguousarray(signal), float(tau), out)
     return out
+
+
+def rms(series: Floats) -> float:
+    """Root of the mean square."""
+    return float(np.sqrt(np.mean(np.square(series))))

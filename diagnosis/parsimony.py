@@ -99,6 +99,7 @@ def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, e
     if evidence.fitted or not best.terms or (len(best.terms) == 1 and not is_refitted(best.scale)):
         return best
     close = best.beside_exact
+    # Of three effects beside an exact simulator, one might be what stands in for a refit.
     few = len(best.terms) < 3
     if few and close is not None and close.score > best.score - HARDLY_WORSE * evidence.effective:
         return _in_place_of(best, close)

@@ -269,6 +269,7 @@ def _with_shapes_of_larger(
         for hypothesis in larger:
             for k in range(size):
                 fewer = evidence.fit(hypothesis.terms[:k] + hypothesis.terms[k + 1 :])
+                # Single effects are tried beside an exact simulator anyway.
                 if size > 2:
                     _note_exact(exact, fewer)
                 if fewer.names in best and fewer.score > best[fewer.names].score:

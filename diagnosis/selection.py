@@ -12,7 +12,7 @@ from scipy.optimize import nnls
 from ..models.least_squares import blocks, reduced
 from .elements import ELASTIC
 
-__all__ = ["Selection", "solve", "spread", "triangle"]
+__all__ = ["Selection", "places_of", "solve", "spread", "triangle"]
 
 Floats = NDArray[np.float64]
 Places = NDArray[np.intp]
@@ -58,6 +58,12 @@ def solve(rows: Floats, elastic: int, free: int, samples: int) -> Floats:
     return np.concatenate([rest, positive]) / scale
 
 
+def places_of(elements: Mapping[str, Floats]) -> dict[str, Places]:
+    """Where the columns of each kind stand when those of all kinds (n, any) stand side by side."""
+    edges = np.cumsum([0, *(part.shape[1] for part in elements.values())]).tolist()
+    return {name: np.arange(a, b) for name, (a, b) in zip(elements, itertools.pairwise(edges), strict=True)}
+
+
 class Selection:
     """Elements to choose from, over a recording or over samples spread over it (see :func:`spread`).
 
@@ -79,8 +85,7 @@ class Selection:
         self._others = [reduced(part for j, part in enumerate(self._parts) if j != k) for k in range(FOLDS)]
         self._whole = reduced(self._parts)
         self._bounded = frozenset(bounded)
-        edges = np.cumsum([0, *(part.shape[1] for part in elements.values())]).tolist()
-        self.places = {name: np.arange(a, b) for name, (a, b) in zip(elements, itertools.pairwise(edges), strict=True)}
+        self.places = places_of(elements)
 
     def _ordered(self, chosen: Mapping[str, Places]) -> tuple[Places, int]:
         """The columns of what is chosen, elastic ones first, then free ones, and how many are free."""

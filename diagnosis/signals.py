@@ -16,7 +16,7 @@ from scipy.ndimage import binary_dilation, median_filter
 from scipy.signal import savgol_coeffs, savgol_filter
 
 from ..models.motion import directions, noise_level, turning_points
-from .operators import bristle, lowpass, plays, resonated
+from .operators import bristle, lowpass, plays, resonated, rms
 
 __all__ = ["COORDINATES", "Signals", "differentiate"]
 
@@ -91,7 +91,7 @@ class Signals:
     @cached_property
     def stride(self) -> int:
         """Samples that lie apart as far as noise is told from structure: densely sampled noise is often filtered."""
-        fastest = float(np.sqrt(np.mean(np.square(self.speed)))) / max(float(np.std(self.smooth_x)), 1e-300)
+        fastest = rms(self.speed) / max(float(np.std(self.smooth_x)), 1e-300)
         return int(np.clip(APART / max(fastest * self.interval, 1e-300), 1, FARTHEST))
 
     @cached_property

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from .adequacy import ALMOST_ALL, emulated, forgiven_here, left_to_noise
 from .calibration import CONFIDENCE, confidence
 from .evidence import FINE, Evidence, Hypothesis, count_unknowns, is_refitted
-from .heldout import HeldOut, held_out, rms, structured_power
+from .heldout import HeldOut, held_out, structured_power
 from .hum import hum
+from .operators import rms
 from .parsimony import fewest, simplest, special_cases
 from .quantisation import torque_step
 from .signals import Signals
@@ -156,22 +157,14 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         best = next((h for h in single if is_needed(h) and _is_nearer(h, blank)), best)
     best = _rather_off(evidence, best, found, size)
     refit = _judge_refit(evidence, best, energy)
-    own = best.score + _prior(evidence, best, size)
-    gain = next((h for h in found if h.names == {GAIN}), None)
-    if gain is not None and not best.terms and refit.miscalibrated:
-        plain = next(form for form in gain.terms[0].effect.forms(evidence.scene) if not form.shapes)
-        factor = evidence.fit((replace(gain.terms[0], form=plain, shape=()),), evidence.exact)
-        likely = factor.score + _prior(evidence, factor, size)
-        if likely > own - AGAINST_ONE_FACTOR and _beside_one_factor(evidence, factor, energy) < ONE_FACTOR:
-            best, own = factor, likely
-            refit = _judge_refit(evidence, best, energy)
-    elif best.names == {GAIN} and is_refitted(best.scale) and _beside_one_factor(evidence, best, energy) > SEVERAL:
-        best, own = blank, blank.score
-        refit = _judge_refit(evidence, best, energy)
+    if best.terms or refit.miscalibrated:
+        other = _as_one_factor(evidence, best, found, energy, size)
+        if other is not best:
+            best, refit = other, _judge_refit(evidence, other, energy)
     if best.terms and refit.miscalibrated and not evidence.fitted and not is_needed(best):
         # The simulator is off in any case: an effect beside must be needed, not only welcome.
-        best, own = blank, blank.score
-        refit = _judge_refit(evidence, best, energy)
+        best, refit = blank, _judge_refit(evidence, blank, energy)
+    own = best.score + _prior(evidence, best, size)
     scores = np.array([h.score + priors[id(h)] for h in ranked])
     choice = _stated(evidence, found, ranked, scores, best, own, refit, energy)
     if choice.verdict == [UNKNOWN] and evidence.is_beside_refit(best):
@@ -278,12 +271,27 @@ def _is_nearer(hypothesis: Hypothesis, blank: Hypothesis) -> bool:
     return hypothesis.scale != blank.scale and all(a <= b for a, b in zip(hypothesis.scale, blank.scale, strict=True))
 
 
-def _beside_one_factor(evidence: Evidence, gain: Hypothesis, energy: float) -> float:
-    """Share of the gap that a gain beside an exact simulator leaves; of none it is told where noise would decide."""
-    if evidence.fitted or energy < SMALL**2 * evidence.sigma**2:
-        return 0.5 * (ONE_FACTOR + SEVERAL)
-    alone = evidence.fit(gain.terms, ((0.0, 0.0),))
-    return (float(np.mean(np.square(evidence.left_over(alone)))) - evidence.sigma**2) / energy
+def _as_one_factor(
+    evidence: Evidence, best: Hypothesis, found: Sequence[Hypothesis], energy: float, size: float
+) -> Hypothesis:
+    """A gain in place of a simulator that is off where one factor closes the gap, or the other way round; else ``best``."""
+    gain, blank = next((h for h in found if h.names == {GAIN}), None), found[0]
+    if gain is None or evidence.fitted or energy < SMALL**2 * evidence.sigma**2:
+        # Noise would decide.
+        return best
+
+    def leaves(factor: Hypothesis) -> float:
+        alone = evidence.fit(factor.terms, ((0.0, 0.0),))
+        return (float(np.mean(np.square(evidence.left_over(alone)))) - evidence.sigma**2) / energy
+
+    if not best.terms:
+        plain = next(form for form in gain.terms[0].effect.forms(evidence.scene) if not form.shapes)
+        factor = evidence.fit((replace(gain.terms[0], form=plain, shape=()),), evidence.exact)
+        behind = best.score - factor.score - _prior(evidence, factor, size)
+        return factor if behind < AGAINST_ONE_FACTOR and leaves(factor) < ONE_FACTOR else best
+    if best.names == {GAIN} and is_refitted(best.scale) and leaves(best) > SEVERAL:
+        return blank
+    return best
 
 
 def _is_nested(one: Hypothesis, other: Hypothesis) -> bool:

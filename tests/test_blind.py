@@ -41,7 +41,6 @@ from hystbench.diagnosis.blind.scoring import (
 from hystbench.diagnosis.blind.varied_plant import LAWS, Law, VariedJoint
 from hystbench.diagnosis.blind.varied_plant import OUTSIDE as VARIED_OUTSIDE
 from hystbench.diagnosis.diagnosis import diagnose
-from hystbench.diagnosis.signals import Signals
 from hystbench.errors import InputError
 from hystbench.reports.blind_page import _matrix
 
@@ -245,19 +244,18 @@ def test_an_ambiguous_sine_is_settled_by_the_recording_that_is_asked_for(tmp_pat
 def test_carried_over_to_another_motion_the_prediction_holds() -> None:
     plant, time, x = plant_of(Case("slip", ("viscous_friction",), 8.0, 0.0, "rich", 21), 30.0)
     made = plant.record(time, x, np.random.default_rng(1))
-    found = diagnose(Signals(made.time, made.x, made.y_real, made.y_sim, [slice(0, x.size)], {}))
+    found = diagnose(made.signals)
     assert found.verdict == ["viscous_friction"]
     slow = 0.3 * plant.joint.reach * np.sin(0.8 * time)
     there = plant.record(time, slow, np.random.default_rng(2))
     signal = signal_on(found, there.time, there.x, there.y_sim)
-    recorded = Signals(there.time, there.x, there.y_real, there.y_sim, [slice(0, x.size)], {})
     predicted = predicted_closed(found, signal)
     assert signal == pytest.approx(
         there.contributions["viscous_friction"], abs=0.2 * plant.noise + 0.1 * np.ptp(signal)
     )
     # A tenth of the speed leaves little of the gap: the figure of the first recording would be wrong here.
     assert predicted < found.closed_in_all
-    assert predicted == pytest.approx(found_closed(recorded, signal), abs=0.15)
+    assert predicted == pytest.approx(found_closed(there.signals, signal), abs=0.15)
 
 
 def test_the_whole_check_on_three_recordings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -59,7 +59,7 @@ def developed(seed: int) -> tuple[Case, Diagnosis]:
     (case,) = [case for case in bank(["varied"], 1, 1000 * (seed // 1000)) if case.seed == seed]
     joint, time, x = plant_of(case, 45.0)
     made = joint.record(time, x, np.random.default_rng([case.seed, 3]))
-    return case, diagnose(Signals(made.time, made.x, made.y_real, made.y_sim, [slice(0, x.size)], {}))
+    return case, diagnose(made.signals)
 
 
 # ---- a simulator that is off -----------------------------------------------------------------------------------------

@@ -24,7 +24,6 @@ from ..diagnosis import Diagnosis, diagnose
 from ..excitation import design_next
 from ..heldout import closed_share
 from ..inputs import read_inputs
-from ..signals import Signals
 from .baselines import by_correlation, by_fit
 from .carry_over import found_closed, named_effects, predicted_closed, signal_on
 from .cases import SINE, TEST_PLANTS, USUAL, available, bank, group, outside_of, quick_part
@@ -234,8 +233,7 @@ def _diagnose_again(out: Path, task: Mapping[str, Any], laboratory: Laboratory, 
 def _carry_over(found: Diagnosis, laboratory: Laboratory) -> dict[str, float]:
     made = laboratory.record(*laboratory.other_motion(), 2)
     signal = signal_on(found, made.time, made.x, made.y_sim)
-    recorded = Signals(made.time, made.x, made.y_real, made.y_sim, [slice(0, made.x.size)], {})
-    return {"predicted": predicted_closed(found, signal), "found": found_closed(recorded, signal)}
+    return {"predicted": predicted_closed(found, signal), "found": found_closed(made.signals, signal)}
 
 
 def lines(scores: Mapping[str, Any]) -> list[str]:

@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from ..signals import Signals
+
 __all__ = ["BASE_ERROR", "Case", "Joint", "Made", "Plant", "sized"]
 
 Floats = NDArray[np.float64]
@@ -50,6 +52,11 @@ class Made:
     noise: float
     oracle_closed: float
     contributions: dict[str, Floats]
+
+    @property
+    def signals(self) -> Signals:
+        """What the diagnosis may see."""
+        return Signals(self.time, self.x, self.y_real, self.y_sim, [slice(0, self.x.size)], {})
 
 
 class Joint(Protocol):

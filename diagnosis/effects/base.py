@@ -14,6 +14,7 @@ from typing import ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..operators import rms
 from ..signals import Signals
 
 __all__ = [
@@ -31,6 +32,7 @@ __all__ = [
     "direction_laws",
     "geometric",
     "inside",
+    "times",
 ]
 
 Floats = NDArray[np.float64]
@@ -171,7 +173,7 @@ class DirectionLaw:
 def direction_laws(scene: Scene) -> list[DirectionLaw]:
     """The usual regularisations of sgn(v): presliding, exponential or elastic, and a steep function of speed."""
     signals = scene.signals
-    reach, fast = signals.reach, float(np.sqrt(np.mean(np.square(signals.speed))))
+    reach, fast = signals.reach, rms(signals.speed)
     lengths = [0.002 * reach, 0.012 * reach, 0.06 * reach]
     distances = (5e-5 * reach, 0.3 * reach)
     return [
@@ -194,14 +196,16 @@ PARTS: Mapping[str, Callable[[Scene], Floats]] = {
 slope of both, or the level at which friction slides."""
 
 
+def times(laws: Columns, *parts: Callable[[Scene], Floats]) -> Columns:
+    """``laws`` (n, k) times each of the parts (n,), side by side, shape (n, k × parts)."""
+    return lambda scene, shape: np.hstack([laws(scene, shape) * part(scene)[:, None] for part in parts])
+
+
 def inside(form: Form, laws: Columns) -> list[Form]:
     """Forms like ``form``, which scales the whole torque by ``laws`` (n, k), that scale a part of it."""
 
-    def scaled(part: Callable[[Scene], Floats]) -> Columns:
-        return lambda scene, shape: laws(scene, shape) * part(scene)[:, None]
-
     return [
-        replace(form, name=f"{form.name}, of {name}", columns=scaled(part), grid=form.grid[::2])
+        replace(form, name=f"{form.name}, of {name}", columns=times(laws, part), grid=form.grid[::2])
         for name, part in PARTS.items()
     ]
 

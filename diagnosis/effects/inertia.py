@@ -25,9 +25,10 @@ def _behind_shaft(scene: Scene, shape: tuple[float, ...]) -> Floats:
 
 def _on_spring(scene: Scene, shape: tuple[float, ...]) -> Floats:
     s, driven = scene.signals, scene.signals.acceleration.copy()
+    still = AT_REST * np.std(s.speed)
     for run in s.runs:
         # What starts to move at the recording's beginning is swung on; what was moving before is taken as settled.
-        if abs(s.speed[run][0]) < AT_REST * np.std(s.speed):
+        if abs(s.speed[run.start]) < still:
             driven[run.start] = 0.0
     return s.resonated(driven, *shape)[:, None]
 
@@ -57,7 +58,7 @@ class Inertia(Effect):
         pace = float(np.std(signals.speed)) / max(float(np.std(signals.acceleration)), 1e-300)
         longest = max(0.15 * pace, 0.1 * step)
         # Within the motion's band it would be a resonance, which is another matter; faster than sampled, it is rigid.
-        swings = (2.0 / pace, 0.7 / step)
+        swings = (2.0 * float(np.std(signals.acceleration)) / max(float(np.std(signals.speed)), 1e-300), 0.7 / step)
         free = (0.0,), (np.inf,)
         return [
             Form("rigid", ("inertia",), _columns, *free),

@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from ..operators import rms
 from .base import SENSOR, Effect, Floats, Form, Parameter, Scene, geometric
 
 __all__ = ["SensorDelay"]
@@ -47,7 +48,7 @@ class SensorDelay(Effect):
     def forms(self, scene: Scene) -> list[Form]:
         step = scene.signals.interval
         # Up to 25 samples, or 20 degrees of the motion's mean frequency where it is sampled densely.
-        speed = float(np.sqrt(np.mean(np.square(scene.signals.speed))))
+        speed = rms(scene.signals.speed)
         high = max(25.0 * step, 0.35 * float(np.std(scene.signals.smooth_x)) / max(speed, 1e-300))
         high = min(high, 0.1 * float(scene.signals.elapsed.max()))
         grid = geometric(0.1 * step, 0.7 * high, 9)

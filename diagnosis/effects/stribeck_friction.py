@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..operators import yielding
+from ..operators import rms, yielding
 from .base import PRESLIDING, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws
 
 __all__ = ["StribeckFriction"]
@@ -84,7 +84,7 @@ class StribeckFriction(Effect):
         return excess < 0.08 * (1.0 if "excess_ratio" in parameters else parameters["friction"])
 
     def forms(self, scene: Scene) -> list[Form]:
-        fast = float(np.sqrt(np.mean(np.square(scene.signals.speed))))
+        fast = rms(scene.signals.speed)
         speeds = [0.06 * fast, 0.15 * fast, 0.4 * fast, 1.0 * fast]
         laws = direction_laws(scene)
         made = [

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import Columns, Effect, Floats, Form, Parameter, Scene, geometric, inside
+from .base import PARTS, Columns, Effect, Floats, Form, Parameter, Scene, geometric, inside, times
 
 __all__ = ["ThermalDrift"]
 
@@ -47,20 +47,12 @@ def _channel(name: str) -> Columns:
     return rise
 
 
-def _of_stiffness(drift: Columns) -> Columns:
-    return lambda scene, shape: drift(scene, shape) * scene.torque[:, None]
+def _torque(scene: Scene) -> Floats:
+    return scene.torque
 
 
-def _of_both(drift: Columns) -> Columns:
-    """A torque sensor's zero and span drift together."""
-    return lambda scene, shape: np.hstack([drift(scene, shape), drift(scene, shape) * scene.torque[:, None]])
-
-
-def _of_each(drift: Columns) -> Columns:
-    """Spring and grease warm up together, but not alike."""
-    return lambda scene, shape: np.hstack(
-        [drift(scene, shape) * part[:, None] for part in (scene.spring, scene.friction)]
-    )
+def _zero(scene: Scene) -> Floats:
+    return np.ones_like(scene.torque)
 
 
 def _form(
@@ -83,7 +75,7 @@ class ThermalDrift(Effect):
     title: ClassVar[str] = "thermal drift"
     summary: ClassVar[str] = "zero or stiffness that drifts with time or temperature while the joint warms up"
     equation: ClassVar[str] = (
-        "y += a w, a w y_sim (or a part of it) or both, or w times a sum of its parts,  w = 1 − exp(−t/τ), t, lagged |y v|, sin(2πt/P) with "
+        "y += a w, a w y_sim (or a part of it) or both, or w times a sum of its parts,  w = 1 − exp(−t/τ), t, lagged |y v| or |f v| of the part f with memory, sin(2πt/P) with "
         "b (cos(2πt/P) − 1), or temperature rise"
     )
     coordinate: ClassVar[str] = "time"
@@ -102,36 +94,33 @@ class ThermalDrift(Effect):
     def forms(self, scene: Scene) -> list[Form]:
         s = scene.signals
         span = float(s.elapsed.max())
-        times = [(t,) for t in geometric(0.05 * span, 1.5 * span, 6)]
+        constants = [(t,) for t in geometric(0.05 * span, 1.5 * span, 6)]
         # Warming up that is over within a thirtieth of the recording could not be told from an offset or a gain.
         limits = [(0.03 * span, 3.0 * span)]
         zero, stiffness = ("zero_drift",), ("stiffness_drift",)
+        # Spring and grease warm up together, but not alike.
+        each, both = ("spring_drift", "friction_drift"), (PARTS["the spring"], PARTS["the friction"])
         waves = ("period",), [(share * span,) for share in (0.6, 1.2, 2.4)], [(0.5 * span, 4.0 * span)]
-        warming = ("time_constant",), times, limits
-        heating = ("time_constant",), times[1::2], limits
-        heated = _form("stiffness, self-heating", stiffness, _of_stiffness(_self_heating), *heating)
-        warmed = _form("stiffness, exponential", stiffness, _of_stiffness(_warming), *warming)
-        rubbed = _form("stiffness, friction heating", stiffness, _of_stiffness(_friction_heating), *heating)
-        waved = _form("stiffness, slow wave", (*stiffness, "stiffness_drift_cos"), _of_stiffness(_wave), *waves)
+        warming = ("time_constant",), constants, limits
+        heating = ("time_constant",), constants[1::2], limits
+        heated = _form("stiffness, self-heating", stiffness, times(_self_heating, _torque), *heating)
+        warmed = _form("stiffness, exponential", stiffness, times(_warming, _torque), *warming)
+        rubbed = _form("stiffness, friction heating", stiffness, times(_friction_heating, _torque), *heating)
+        waved = _form("stiffness, slow wave", (*stiffness, "stiffness_drift_cos"), times(_wave, _torque), *waves)
         made = [
             _form("zero, linear", zero, _warming),
             _form("zero, exponential", zero, _warming, *warming),
             _form("zero, self-heating", zero, _self_heating, *heating),
             _form("zero, slow wave", (*zero, "zero_drift_cos"), _wave, *waves),
             heated,
-            _form("stiffness, linear", stiffness, _of_stiffness(_warming)),
+            _form("stiffness, linear", stiffness, times(_warming, _torque)),
             warmed,
             waved,
-            _form("zero and stiffness, linear", zero + stiffness, _of_both(_warming)),
-            _form("zero and stiffness, exponential", zero + stiffness, _of_both(_warming), *warming),
-            _form("zero and stiffness, self-heating", zero + stiffness, _of_both(_self_heating), *heating),
-            _form("spring and friction, exponential", ("spring_drift", "friction_drift"), _of_each(_warming), *warming),
-            _form(
-                "spring and friction, self-heating",
-                ("spring_drift", "friction_drift"),
-                _of_each(_self_heating),
-                *heating,
-            ),
+            _form("zero and stiffness, linear", zero + stiffness, times(_warming, _zero, _torque)),
+            _form("zero and stiffness, exponential", zero + stiffness, times(_warming, _zero, _torque), *warming),
+            _form("zero and stiffness, self-heating", zero + stiffness, times(_self_heating, _zero, _torque), *heating),
+            _form("spring and friction, exponential", each, times(_warming, *both), *warming),
+            _form("spring and friction, self-heating", each, times(_self_heating, *both), *heating),
             *inside(heated, _self_heating),
             rubbed,
             *inside(rubbed, _friction_heating),
@@ -142,7 +131,7 @@ class ThermalDrift(Effect):
             if "temp" in name.lower() and np.ptp(values) > 0.0:
                 rise = _channel(name)
                 made.append(_form(f"zero by {name}", zero, rise))
-                by_channel = _form(f"stiffness by {name}", stiffness, _of_stiffness(rise))
+                by_channel = _form(f"stiffness by {name}", stiffness, times(rise, _torque))
                 made += [by_channel, *inside(by_channel, rise)]
-                made.append(_form(f"zero and stiffness by {name}", zero + stiffness, _of_both(rise)))
+                made.append(_form(f"zero and stiffness by {name}", zero + stiffness, times(rise, _zero, _torque)))
         return made

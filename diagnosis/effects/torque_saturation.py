@@ -23,15 +23,16 @@ def _unequal(scene: Scene, shape: tuple[float, ...]) -> Floats:
 
 
 def _soft(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    # Linear well below the limit and flat above it; a larger exponent makes a sharper knee.
     limit, power = shape
-    magnitude = np.minimum(np.abs(scene.torque) / limit, 1e6 ** (1.0 / power) * 10.0)
-    return (scene.torque * ((1.0 + magnitude**power) ** (-1.0 / power) - 1.0))[:, None]
+    return _soft_unequal(scene, (limit, limit, power))
 
 
 def _soft_unequal(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    # Linear well below the limit and flat above it; a larger exponent makes a sharper knee.
     above, below, power = shape
-    return np.where(scene.torque > 0.0, _soft(scene, (above, power))[:, 0], _soft(scene, (below, power))[:, 0])[:, None]
+    limit = np.where(scene.torque > 0.0, above, below)
+    magnitude = np.minimum(np.abs(scene.torque) / limit, 1e6 ** (1.0 / power) * 10.0)
+    return (scene.torque * ((1.0 + magnitude**power) ** (-1.0 / power) - 1.0))[:, None]
 
 
 def _smooth(scene: Scene, shape: tuple[float, ...]) -> Floats:

@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from ..operators import rms
 from .base import Effect, Floats, Form, Parameter, Scene
 
 __all__ = ["ViscousFriction"]
@@ -48,7 +49,7 @@ class ViscousFriction(Effect):
     confused_with: ClassVar[tuple[str, ...]] = ("sensor_delay", "coulomb_friction", "stress_relaxation")
 
     def forms(self, scene: Scene) -> list[Form]:
-        fast = float(np.sqrt(np.mean(np.square(scene.signals.speed))))
+        fast = rms(scene.signals.speed)
         # What thins well below the usual speeds is dry friction.
         thinning = [
             Form(name, ("limit",), law, (0.0,), (np.inf,), ("thinning_speed",), [(0.5 * fast,), (1.2 * fast,)],
