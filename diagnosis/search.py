@@ -94,6 +94,11 @@ class Library:
         self._by_scale.clear()
         return tuple(numbers)
 
+    @property
+    def columns(self) -> Floats:
+        """The columns of all terms, shape (n, k); a term's are at its slice in ``slices``."""
+        return np.hstack(self._blocks)
+
     def moments(self, scale: Scale) -> tuple[Floats, Floats, float]:
         """Whitened Gram matrix, moments and energy at a scale of parameter errors."""
         if scale not in self._by_scale:

@@ -8,6 +8,7 @@ import os
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -20,16 +21,17 @@ from rich.progress import Progress
 from ...datasets.recording_files import DEFAULT_TIME, DEFAULT_X, DEFAULT_Y, write_recording
 from ...errors import InputError
 from ...files import replacing, write_text
-from ..diagnosis import Diagnosis, diagnose
+from ..diagnosis import Diagnosis, diagnose, known_effects
 from ..excitation import design_next
 from ..heldout import closed_share
 from ..inputs import read_inputs
+from ..search import Library
 from .baselines import by_correlation, by_fit
 from .carry_over import found_closed, named_effects, predicted_closed, signal_on
 from .cases import SINE, TEST_PLANTS, USUAL, available, bank, group, outside_of, quick_part
 from .cost import LENGTHS, growth, measure
 from .motions import MOTIONS
-from .plant import Case, Made, Plant
+from .plant import Case, Joint, Made, Plant
 from .plants import joint_of, plant_of
 from .scoring import is_right, score
 
@@ -48,16 +50,20 @@ class Laboratory:
     sizes: Mapping[str, float]
     noise: float
 
+    @cached_property
+    def _joint(self) -> Joint:
+        return joint_of(self.case, SECONDS, RATE)[0]
+
     def record(self, time: np.ndarray, x: np.ndarray, request: int) -> Made:
         """Drive the case's plant along another motion; ``request`` numbers the requests (its noise is another)."""
-        joint, _, _ = joint_of(self.case, SECONDS, RATE)
-        return Plant(joint, self.sizes, self.noise).record(time, x, np.random.default_rng([self.case.seed, 3, request]))
+        return Plant(self._joint, self.sizes, self.noise).record(
+            time, x, np.random.default_rng([self.case.seed, 3, request])
+        )
 
     def other_motion(self) -> tuple[np.ndarray, np.ndarray]:
         """A motion of another kind than the case's."""
-        joint, _, _ = joint_of(self.case, SECONDS, RATE)
         other = next(kind for kind in USUAL if kind != self.case.motion)
-        return MOTIONS[other](np.random.default_rng([self.case.seed, 4]), joint.reach, SECONDS, RATE)
+        return MOTIONS[other](np.random.default_rng([self.case.seed, 4]), self._joint.reach, SECONDS, RATE)
 
 
 def check(out: Path, seeds: int = 1, jobs: int | None = None, quick: bool = False) -> list[str]:
@@ -208,6 +214,7 @@ def diagnose_blind(out: Path, task: Mapping[str, Any]) -> tuple[dict[str, Any], 
     began = time.perf_counter()
     found = diagnose(signals, exclude=task["exclude"])
     seconds = time.perf_counter() - began
+    library = Library(found.evidence, known_effects(task["exclude"]))
     return {
         "id": task["id"],
         "verdict": found.verdict,
@@ -215,8 +222,8 @@ def diagnose_blind(out: Path, task: Mapping[str, Any]) -> tuple[dict[str, Any], 
         "ambiguous": found.ambiguous,
         "closed": closed_share(signals.gap, signals.gap - found.choice.held.signal, found.noise_floor, found.seed)[1],
         "where": found.places[0].coordinate if found.places else "",
-        "baseline_fit": by_fit(found.evidence, task["exclude"]),
-        "baseline_correlation": by_correlation(found.evidence, task["exclude"]),
+        "baseline_fit": by_fit(library),
+        "baseline_correlation": by_correlation(library),
         "seconds": seconds,
     }, found
 
