@@ -27,6 +27,7 @@ from .emulation import (
     spring_of,
 )
 from .evidence import Term, effect_columns
+from .precision import told
 from .refitting import fitted_again
 from .signals import Signals
 from .verdict import MISCALIBRATION, UNKNOWN
@@ -250,19 +251,14 @@ def formula(found: Diagnosis, emulator: Emulator) -> str:
             f"what has memory times {friction:.3g}"
         )
     for term in _named(found):
-        parameters = found.choice.hypothesis.parameters(term.effect.id)
-        values = ", ".join(f"{name} = {value:.6g}" for name, value in parameters.items())
-        units = {p.name: p.unit for p in term.effect.parameters}
-        told = ", ".join(f"{name} in {units[name]}" for name in parameters if units.get(name))
-        lines.append(
-            f"add {term.effect.title} ({term.form.name}): {term.effect.equation}\n    {values}"
-            + (f"   [{told}]" if told else "")
-            + (
-                "\n    (not in corrected.json, which sees the deflection alone)"
-                if _follows_a_channel(found, term)
-                else ""
-            )
-        )
+        lines.append(f"add {term.effect.title} ({term.form.name}): {term.effect.equation}")
+        known = {parameter.name: parameter for parameter in term.effect.parameters}
+        for name, value in found.choice.hypothesis.parameters(term.effect.id).items():
+            unit = "" if known[name].unit == "1" else f" {known[name].unit}"
+            between = told(found.parameter_intervals[term.effect.id][name])
+            lines.append(f"    {name} = {value:.6g}{unit}   ({between})   {known[name].meaning}")
+        if _follows_a_channel(found, term):
+            lines.append("    (not in corrected.json, which sees the deflection alone)")
     return "\n".join(lines)
 
 

@@ -87,10 +87,11 @@ def summary(found: Diagnosis) -> list[str]:
         )
     for report in found.effects:
         if report.name in found.verdict:
-            parameters = ", ".join(f"{name} = {value:.4g}" for name, value in report.parameters.items())
             low, high = report.closed_interval
+            closes = "closes" if len(found.verdict) == 1 else "by itself closes"
             lines.append(
-                f"{report.name}: {report.law}, {parameters}; closes {report.closed:.2f} [{low:.2f}, {high:.2f}], {report.adequacy}"
+                f"{report.name}: {report.law}, {', '.join(found.told(report))}; "
+                f"{closes} {report.closed:.2f} [{low:.2f}, {high:.2f}], {report.adequacy}"
             )
     for pair in found.ambiguous:
         lines.append(f"this recording cannot tell apart: {' and '.join(pair)}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from .emulation import SimulatorScene, emulate
 from .evidence import Evidence, Hypothesis
 from .heldout import HeldOut, closed_share, held_out, structured_power
 from .operators import rms
+from .precision import intervals, told
 from .refitting import refitted_beside
 from .search import Library, search
 from .signals import Signals
@@ -82,6 +84,19 @@ class Diagnosis:
     next_recording: dict[str, Any] | None = None
     notes: list[str] = field(default_factory=list)
 
+    @cached_property
+    def parameter_intervals(self) -> dict[str, dict[str, tuple[float, float] | None]]:
+        """95 % intervals of what was fitted for the verdict; None for what this recording does not determine."""
+        return intervals(self.evidence, self.choice.hypothesis)
+
+    def told(self, report: EffectReport) -> list[str]:
+        """An effect's parameters in words, with their intervals where there are any."""
+        known = self.parameter_intervals.get(report.name, {})
+        return [
+            f"{name} = {value:.4g}" + (f" ({told(known[name])})" if name in known else "")
+            for name, value in report.parameters.items()
+        ]
+
     def document(self) -> dict[str, Any]:
         """The diagnosis as CONTRACT's JSON document."""
         return {
@@ -112,6 +127,10 @@ class Diagnosis:
                     "closed_interval": [_figure(v) for v in e.closed_interval],
                     "adequacy": e.adequacy,
                     "parameters": {name: _figure(value) for name, value in e.parameters.items()},
+                    "parameter_intervals": {
+                        name: None if ends is None else [_figure(end) for end in ends]
+                        for name, ends in self.parameter_intervals.get(e.name, {}).items()
+                    },
                 }
                 for e in self.effects
             ],

@@ -47,9 +47,9 @@ def write_diagnosis(
     out.mkdir(parents=True, exist_ok=True)
     found = replace(found, next_recording=design_next(found, out / "next.csv"))
     emulator = calibrated(found, model)
-    told = formula(found, emulator)
-    if told:
-        write_text(out / "formula.txt", told + "\n")
+    text = formula(found, emulator)
+    if text:
+        write_text(out / "formula.txt", text + "\n")
         corrected_simulator(found, emulator).save(out / "corrected.json")
     write_text(out / "diagnosis.json", found.to_json())
     page = template("diagnosis.html.j2").render(
@@ -79,13 +79,13 @@ def write_diagnosis(
                 "interval": f"{e.closed_interval[0]:.2f} to {e.closed_interval[1]:.2f}",
                 "law": e.law,
                 "adequacy": e.adequacy,
-                "parameters": ", ".join(f"{k.replace('_', ' ')} {v:.3g}" for k, v in e.parameters.items()),
+                "parameters": ", ".join(found.told(e)).replace("_", " "),
             }
             for e in found.effects
         ],
         ambiguous=[" and ".join(pair).replace("_", " ") for pair in found.ambiguous],
         next_recording=found.next_recording,
-        formula=told,
+        formula=text,
         files=files,
         simulators=simulators,
         excluded=found.excluded,
