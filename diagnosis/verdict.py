@@ -118,7 +118,9 @@ def _prior(evidence: Evidence, hypothesis: Hypothesis, gap: float) -> float:
     """Logarithm of the prior odds; minus infinity for an effect that is only a special case of itself."""
     if not hypothesis.terms:
         return 0.0
-    if any(term.effect.is_degenerate(hypothesis.parameters(term.effect.id)) for term in hypothesis.terms):
+    if any(
+        term.effect.is_degenerate(hypothesis.parameters(term.effect.id), evidence.scene) for term in hypothesis.terms
+    ):
         return -np.inf
     # Beside a simulator that is off in many ways, an effect may always stand in for one more of them.
     refitted = evidence.is_beside_refit(hypothesis)

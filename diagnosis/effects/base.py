@@ -145,8 +145,8 @@ class Effect:
     contains: ClassVar[tuple[str, ...]] = ()
     """Simpler effects that are special cases: where they do nearly as well, they are named instead."""
 
-    def is_degenerate(self, parameters: dict[str, float]) -> bool:
-        """Whether the fitted parameters make this effect one of those that it ``contains``."""
+    def is_degenerate(self, parameters: dict[str, float], scene: Scene) -> bool:
+        """Whether the fitted parameters make this effect a simpler one, on the recording of ``scene``."""
         return False
 
     def forms(self, scene: Scene) -> list[Form]:

@@ -10,6 +10,9 @@ from .base import INPUT, Columns, Effect, Floats, Form, Parameter, Scene, geomet
 
 __all__ = ["EncoderEccentricity"]
 
+SIZES = ("error_sin", "error_cos", "error_sin_2", "error_cos_2")
+MOSTLY_OFFSET = 5.0
+"""Mean of the error over its deviation, from which it is no eccentricity."""
 ZEROED, SETTLED = "zero at home", "friction settled at home"
 """What is zero at home: the encoder's error, or only the friction, which has settled there."""
 
@@ -79,13 +82,22 @@ class EncoderEccentricity(Effect):
     )
     confused_with: ClassVar[tuple[str, ...]] = ("deflection_offset", "torque_gain", "miscalibration")
 
+    def is_degenerate(self, parameters: dict[str, float], scene: Scene) -> bool:
+        # Harmonics that cancel but for their mean are an offset of the deflection.
+        angle = parameters["periods"] * scene.signals.x
+        sizes = [parameters.get(name, 0.0) for name in SIZES]
+        error = sum(
+            p * np.sin(k * angle) + q * np.cos(k * angle)
+            for k, (p, q) in enumerate(zip(sizes[::2], sizes[1::2], strict=True), start=1)
+        )
+        return abs(float(np.mean(error))) > MOSTLY_OFFSET * float(np.std(error))
+
     def forms(self, scene: Scene) -> list[Form]:
         reach = scene.signals.reach
         # At least half a period within the stroke, at most thirty; slower waves are an offset and a gain.
         low, high = 0.5 * np.pi / reach, 30.0 * np.pi / reach
         grid = [(n,) for n in geometric(low, 12.0 * np.pi / reach, 36)]
         wide = 0.2 * reach
-        names = ("error_sin", "error_cos", "error_sin_2", "error_cos_2")
         small = (-wide,) * 2, (wide,) * 2
         unit = ("_unit",), (1.0,), (1.0,)
         span, size = (low, high), (-wide, wide)
@@ -94,13 +106,13 @@ class EncoderEccentricity(Effect):
             told = f", {home}" if home else ""
             sine = f"sine{told}"
             made += [
-                Form(sine, names[:2], _columns(1, home), *small, ("periods",), grid, [span]),
+                Form(sine, SIZES[:2], _columns(1, home), *small, ("periods",), grid, [span]),
                 # The error is a function of the true angle: as one of the measured angle it has harmonics.
-                Form(f"sine of the true angle{told}", unit[0], _of_true_angle(home), *unit[1:], ("periods", *names[:2]), (),
+                Form(f"sine of the true angle{told}", unit[0], _of_true_angle(home), *unit[1:], ("periods", *SIZES[:2]), (),
                      [span, *[size] * 2], (sine,), _from_sine),
                 Form(f"two harmonics of the true angle{told}", unit[0], _of_true_angle(home), *unit[1:],
-                     ("periods", *names), (), [span, *[size] * 4], (sine,), _from_sine_twice),
-                Form(f"two harmonics{told}", names, _columns(2, home), (-wide,) * 4, (wide,) * 4, ("periods",), (), [span],
+                     ("periods", *SIZES), (), [span, *[size] * 4], (sine,), _from_sine_twice),
+                Form(f"two harmonics{told}", SIZES, _columns(2, home), (-wide,) * 4, (wide,) * 4, ("periods",), (), [span],
                      (sine,)),
             ]  # fmt: skip
         return made

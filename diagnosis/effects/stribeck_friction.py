@@ -77,7 +77,7 @@ class StribeckFriction(Effect):
     confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "viscous_friction")
     contains: ClassVar[tuple[str, ...]] = ("coulomb_friction",)
 
-    def is_degenerate(self, parameters: dict[str, float]) -> bool:
+    def is_degenerate(self, parameters: dict[str, float], scene: Scene) -> bool:
         if "rise" in parameters:
             return False
         excess = parameters.get("excess_ratio", parameters.get("breakaway_excess", 0.0))
