@@ -255,14 +255,15 @@ def _relaxation(j: _Joint, a: float, rng: np.random.Generator) -> None:
 
 
 def _thermal(j: _Joint, a: float, rng: np.random.Generator) -> None:
-    """Heat balance: losses in proportion to |torque · speed| against cooling; the zero follows the temperature."""
+    """Heat balance: losses in proportion to |torque · speed| against cooling by convection; the zero follows."""
     power = np.abs(j.torque * j.speed) / j.typical.power + 0.3
     tau = rng.uniform(0.2, 0.8) * j.typical.duration
     temperature = np.empty_like(j.x)
     t = 0.0
     dt = j.time[1] - j.time[0]
     for i in range(j.x.size):
-        t += dt * (power[i] - t) / tau
+        # Warm air rises faster: natural convection goes with the power 5/4 of the temperature.
+        t += dt * (power[i] - t * max(t, 0.0) ** 0.25) / tau
         temperature[i] = t
     j.torque = j.torque + a * 0.1 * j.scale * temperature
 

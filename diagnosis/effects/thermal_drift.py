@@ -47,6 +47,11 @@ def _channel(name: str) -> Columns:
     return rise
 
 
+def _both_heats(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    """Losses, and what heats all the time: electronics, a holding current, the surroundings."""
+    return np.hstack([_self_heating(scene, shape), _warming(scene, shape)])
+
+
 def _torque(scene: Scene) -> Floats:
     return scene.torque
 
@@ -75,12 +80,13 @@ class ThermalDrift(Effect):
     title: ClassVar[str] = "thermal drift"
     summary: ClassVar[str] = "zero or stiffness that drifts with time or temperature while the joint warms up"
     equation: ClassVar[str] = (
-        "y += a w, a w y_sim (or a part of it) or both, or w times a sum of its parts,  w = 1 − exp(−t/τ), t, lagged |y v| or |f v| of the part f with memory, sin(2πt/P) with "
+        "y += a w, a w y_sim (or a part of it) or both, a w + a2 w2, or w times a sum of its parts,  w = 1 − exp(−t/τ), t, lagged |y v| or |f v| of the part f with memory, sin(2πt/P) with "
         "b (cos(2πt/P) − 1), or temperature rise"
     )
     coordinate: ClassVar[str] = "time"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("zero_drift", "N·m, N·m/s, N·m/W or N·m/K", -np.inf, np.inf, "drift of the zero"),
+        Parameter("zero_drift_idle", "N·m", -np.inf, np.inf, "part of it by what heats all the time"),
         Parameter("stiffness_drift", "1, 1/s or 1/K", -np.inf, np.inf, "relative drift of the torque"),
         Parameter("spring_drift", "1 or 1/W", -np.inf, np.inf, "relative drift of the elastic torque"),
         Parameter("friction_drift", "1 or 1/W", -np.inf, np.inf, "relative drift of what has memory"),
@@ -112,6 +118,7 @@ class ThermalDrift(Effect):
             _form("zero, exponential", zero, _warming, *warming),
             _form("zero, self-heating", zero, _self_heating, *heating),
             _form("zero, slow wave", (*zero, "zero_drift_cos"), _wave, *waves),
+            _form("zero, self-heating and warming", (*zero, "zero_drift_idle"), _both_heats, *heating),
             heated,
             _form("stiffness, linear", stiffness, times(_warming, _torque)),
             warmed,
