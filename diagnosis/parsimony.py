@@ -10,7 +10,7 @@ import numpy as np
 from .adequacy import ALMOST_ALL, INEXACT_NEAR, forgiven_here, left_by
 from .evidence import Evidence, Hypothesis, is_refitted
 
-__all__ = ["fewest", "simplest", "special_cases"]
+__all__ = ["fewest", "hardly_worse", "simplest", "special_cases"]
 
 WORTH = 0.04
 """Share of the gap's energy that an effect must close beside the others."""
@@ -98,11 +98,9 @@ def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, e
     """
     if evidence.fitted or not best.terms or (len(best.terms) == 1 and not is_refitted(best.scale)):
         return best
-    close = best.beside_exact
-    # Of three effects beside an exact simulator, one might be what stands in for a refit.
-    few = len(best.terms) < 3
-    if few and close is not None and close.score > best.score - HARDLY_WORSE * evidence.effective:
-        return _in_place_of(best, close)
+    exact = hardly_worse(evidence, best)
+    if exact is not best:
+        return exact
     gap = float(np.sqrt(energy)) / evidence.sigma
     if gap < WELL_ABOVE:
         return best
@@ -131,6 +129,17 @@ def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, e
         if made:
             return max(made, key=lambda pair: pair[0])[1]
     return best
+
+
+def hardly_worse(evidence: Evidence, hypothesis: Hypothesis) -> Hypothesis:
+    """The same effects beside an exact simulator where a refitted one is hardly better; else ``hypothesis``."""
+    close = hypothesis.beside_exact
+    # Of three effects beside an exact simulator, one might be what stands in for a refit.
+    few = len(hypothesis.terms) < 3
+    if evidence.fitted or not few or close is None:
+        return hypothesis
+    near = close.score > hypothesis.score - HARDLY_WORSE * evidence.effective
+    return _in_place_of(hypothesis, close) if near else hypothesis
 
 
 def _in_place_of(hypothesis: Hypothesis, beside: Hypothesis) -> Hypothesis:

@@ -14,7 +14,7 @@ from .evidence import FINE, Evidence, Hypothesis, count_unknowns, is_refitted
 from .heldout import HeldOut, held_out, structured_power
 from .hum import hum
 from .operators import rms
-from .parsimony import fewest, simplest, special_cases
+from .parsimony import fewest, hardly_worse, simplest, special_cases
 from .quantisation import torque_step
 from .signals import Signals
 
@@ -167,7 +167,11 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         # The simulator is off in any case: an effect beside must be needed, not only welcome.
         best, refit = blank, _judge_refit(evidence, blank, energy)
     own = best.score + _prior(evidence, best, size)
-    scores = np.array([h.score + priors[id(h)] for h in ranked])
+    if best.terms and not is_refitted(best.scale):
+        # What could stand in for it is judged as it is: beside an exact simulator where that is hardly worse.
+        ranked = [hardly_worse(evidence, h) for h in ranked]
+        ranked.sort(key=lambda h: -(h.score + _prior(evidence, h, size)))
+    scores = np.array([h.score + _prior(evidence, h, size) for h in ranked])
     choice = _stated(evidence, found, ranked, scores, best, own, refit, energy)
     if choice.verdict == [UNKNOWN] and evidence.is_beside_refit(best):
         # Doubtful beside a simulator that is off in any case; which alone may leave no more than an inexact law.
