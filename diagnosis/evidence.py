@@ -333,24 +333,30 @@ class Evidence:
         ordered = tuple(sorted(terms, key=lambda term: ORDER[term.effect.acts_on]))
         lower = np.array([value for term in ordered for value in term.form.lower])
         upper = np.array([value for term in ordered for value in term.form.upper])
-        unknowns = count_unknowns(ordered)
         tried = scales or self.scales
-        columns = effect_columns(self.scene, ordered)
-        best: Hypothesis | None = None
-        # The first pass takes the effects as independent, the second lets later ones act on what earlier ones made.
-        for _ in range(2 if len(ordered) > 1 else 1):
-            if best is not None:
-                columns = effect_columns(self.scene, ordered, best.coefficients)
+
+        def beside_each(columns: Floats) -> list[Hypothesis]:
             chosen = columns if self._whole else columns[self.rows]
             products = chosen.T @ chosen, chosen.T @ self.gap, self.gap_energy, self.inside(chosen)
             grams, moments, energies = zip(*(self.reduced(*products, scale) for scale in tried), strict=True)
             beta, reduction = boxed_least_squares(np.array(grams), np.array(moments), lower, upper)
             rss = np.maximum(np.array(energies) - reduction, 1e-12 * self.gap_energy)
-            found = [float(self.score(left, scale, unknowns)) for left, scale in zip(rss, tried, strict=True)]
-            k = int(np.argmax(found))
-            best = Hypothesis(ordered, tried[k], columns, beta[k], float(rss[k]), found[k])
-            best.by_scale = dict(zip(tried, found, strict=True))
-        assert best is not None
+            return [
+                Hypothesis(ordered, scale, columns, b, float(left), float(self.score(left, scale, unknowns)))
+                for scale, b, left in zip(tried, beta, rss, strict=True)
+            ]
+
+        unknowns = count_unknowns(ordered)
+        found = beside_each(effect_columns(self.scene, ordered))
+        if any(ORDER[term.effect.acts_on] > 0 for term in ordered[1:]):
+            # The first pass takes the effects as independent, the second lets later ones act on what earlier ones made:
+            # beside a refitted simulator, and beside an exact one, where that may be quite another torque.
+            kinds = ([h for h in found if is_refitted(h.scale) == refitted] for refitted in (False, True))
+            guesses = [max(kind, key=lambda h: h.score).coefficients for kind in kinds if kind]
+            passes = [beside_each(effect_columns(self.scene, ordered, guess)) for guess in guesses]
+            found = [max(of_scale, key=lambda h: h.score) for of_scale in zip(*passes, strict=True)]
+        best = max(found, key=lambda h: h.score)
+        best.by_scale = {h.scale: h.score for h in found}
         return best
 
     def refine(self, start: Hypothesis, evaluations: int = 10, scales: Sequence[Scale] = ()) -> Hypothesis:

@@ -24,8 +24,8 @@ HOPEFUL = 0.005
 """Evidence a sample that a further effect must bring for still another to be looked for."""
 IN_COMPANY = 6
 """Steps of refinement of effects beside others."""
-LAWS = 2
-"""Other laws of an effect in company that are tried."""
+LAWS, EXACT_LAWS = 2, 1
+"""Other laws of an effect in company that are tried, and those that are beside an exact simulator."""
 NEARLY = 0.02
 """Evidence a sample by which a law may fall behind and still be refined further."""
 STEPS = 3
@@ -341,9 +341,17 @@ def _other_laws(library: Library, fitted: Hypothesis) -> list[Hypothesis]:
     own = library.add(fitted.terms)
     for k, term in enumerate(fitted.terms):
         others = own[:k] + own[k + 1 :]
-        laws = library.extend(others, (fitted.scale,), term.effect.id)
-        laws = [(score, numbers) for score, numbers in laws if library.terms[numbers[-1]].form.name != term.form.name]
-        for _, numbers in sorted(laws, reverse=True)[:LAWS]:
+        tried: dict[str, tuple[int, ...]] = {}
+        # A refitted simulator makes up for a wrong law: beside an exact one another may be right.
+        for scales, count in (
+            ((fitted.scale,), LAWS),
+            (evidence.exact, EXACT_LAWS if is_refitted(fitted.scale) else 0),
+        ):
+            laws = library.extend(others, scales, term.effect.id)
+            laws = [(s, numbers) for s, numbers in laws if library.terms[numbers[-1]].form.name != term.form.name]
+            for _, numbers in sorted(laws, reverse=True)[:count]:
+                tried.setdefault(library.terms[numbers[-1]].form.name, numbers)
+        for numbers in tried.values():
             other = evidence.refine_anyhow([library.terms[number] for number in numbers], IN_COMPANY)
             made.append(other)
             if other.score > fitted.score - NEARLY * evidence.effective:
