@@ -86,7 +86,7 @@ class Diagnosis:
 
     @cached_property
     def parameter_intervals(self) -> dict[str, dict[str, tuple[float, float] | None]]:
-        """95 % intervals of what was fitted for the verdict; None for what this recording does not determine."""
+        """95 % intervals of the best explanation's parameters; None for what this recording does not determine."""
         return intervals(self.evidence, self.choice.hypothesis)
 
     def told(self, report: EffectReport) -> list[str]:

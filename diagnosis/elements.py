@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.bouc_wen import BoucWen
-from .operators import hyperbolic, lowpass, plays, rms, stopped, yielding
+from .operators import hyperbolic, lowpass, plays, rms, yielding
 
 __all__ = [
     "ELASTIC",
@@ -41,8 +41,6 @@ ELASTIC, MEMORY, RATE = "elastic", "memory", "rate"
 KINKS = "kinks"
 PLACES = 49
 """Places of a kink that are tried."""
-EXCESS = 0.7
-"""By how much the level of a Maxwell-slip element at rest exceeds that at speed; less is made of two such elements."""
 MOVED = 0.04
 """Relative error of a kink's place."""
 
@@ -129,14 +127,6 @@ def _stribeck(motion: Motion, length: float, pace: float, excess: float) -> Floa
     return length * motion.from_rest(yielding, level, length=length)
 
 
-def _stribeck_stop(motion: Motion, length: float, pace: float, lag: float) -> Floats:
-    """A Maxwell-slip element whose level falls with speed by ``pace`` (rad/s) and settles within ``lag`` (s)."""
-    level = 1.0 + EXCESS * np.exp(-np.square(motion.speed / pace))
-    if lag > 0.0:
-        level = np.concatenate([lowpass(motion.time[run], level[run], lag) for run in motion.runs])
-    return length * motion.from_rest(stopped, level, length=length)
-
-
 def _smooth(motion: Motion, length: float, exponent: float, share: float) -> Floats:
     """A Bouc-Wen element of unit stiffness that saturates at ``length``."""
     size = length**-exponent
@@ -190,15 +180,6 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
             for length in (0.004, 0.012, 0.04, 0.12) for pace in (0.03, 0.1, 0.3, 1.0) for excess in (0.5, 1.5)
         ]),
         _by_row(_stribeck),
-    ),
-    # Generalized Maxwell slip: Al-Bender, Lampaert and Swevers (IEEE TAC 50, 2005).
-    "Stribeck stops": Kind(
-        MEMORY, True,
-        lambda extent: np.array([
-            (length * extent.reach, pace * extent.fast, lag * extent.reach / extent.fast)
-            for length in np.geomspace(0.015, 0.5, 16) for pace in (0.03, 0.1, 0.3, 1.0) for lag in (0.0, 0.05)
-        ]),
-        _by_row(_stribeck_stop),
     ),
     "relaxation": Kind(
         RATE, False,

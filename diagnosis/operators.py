@@ -6,18 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = [
-    "bristle",
-    "free_flight",
-    "hyperbolic",
-    "lowpass",
-    "plays",
-    "resonated",
-    "rms",
-    "stopped",
-    "weighed",
-    "yielding",
-]
+__all__ = ["bristle", "free_flight", "hyperbolic", "lowpass", "plays", "resonated", "rms", "weighed", "yielding"]
 
 Floats = NDArray[np.float64]
 
@@ -83,14 +72,6 @@ def _yielding(x, level, length, out):
         moved = x[i] - x[i - 1]
         towards = level[i] if moved > 0.0 else -level[i]
         f = towards + (f - towards) * np.exp(-abs(moved) / (length * level[i]))
-        out[i] = f
-
-
-@njit(cache=True)
-def _stopped(x, level, length, out):
-    f = 0.0
-    for i in range(1, x.size):
-        f = min(max(f + (x[i] - x[i - 1]) / length, -level[i]), level[i])
         out[i] = f
 
 
@@ -223,13 +204,6 @@ def yielding(x: Floats, level: Floats, length: float) -> Floats:
     """LuGre bristle of stiffness 1/``length`` over ``x`` (n,) that yields at ``level`` (n,), shape (n,)."""
     out = np.zeros(x.size)
     _yielding(np.ascontiguousarray(x), np.ascontiguousarray(level), float(length), out)
-    return out
-
-
-def stopped(x: Floats, level: Floats, length: float) -> Floats:
-    """Spring of stiffness 1/``length`` over ``x`` (n,) behind a slider that slides at ``level`` (n,), shape (n,)."""
-    out = np.zeros(x.size)
-    _stopped(np.ascontiguousarray(x), np.ascontiguousarray(level), float(length), out)
     return out
 
 

@@ -30,20 +30,20 @@ CONTRADICTED = 3.0
 class _Fitted:
     """A fitted parameter: of one effect's coefficients, or the shape ``j`` of the term ``k``.
 
-    ``slope`` (n,) is the change of all effects' torque with it, or with its logarithm where it is a scale.
+    ``slope`` (n,) is the change of all effects' torque with it, or with its logarithm where that is searched (``by_ratio``).
     """
 
     effect: str
     name: str
     value: float
     bounds: tuple[float, float]
-    scale: bool
+    by_ratio: bool
     slope: Floats
     place: tuple[int, int]
 
     def interval(self, error: float) -> tuple[float, float]:
         wide = float(student.ppf(0.975, BLOCKS - 1)) * error
-        ends = [self.moved(sign * wide) if self.scale else self.value + sign * wide for sign in (-1.0, 1.0)]
+        ends = [self.moved(sign * wide) if self.by_ratio else self.value + sign * wide for sign in (-1.0, 1.0)]
         low, high = np.clip(sorted(ends), *self.bounds).tolist()
         return low, high
 
@@ -81,7 +81,7 @@ def intervals(evidence: Evidence, hypothesis: Hypothesis) -> dict[str, dict[str,
 
     found: dict[str, dict[str, tuple[float, float] | None]] = {one.effect: {} for one in fitted}
     for i, (one, error) in enumerate(zip(fitted, errors, strict=True)):
-        lost = not np.isfinite(error) or (one.scale and (error > FAR / CONTRADICTED or is_open(i)))
+        lost = not np.isfinite(error) or (one.by_ratio and (error > FAR / CONTRADICTED or is_open(i)))
         found[one.effect][one.name] = None if lost else one.interval(error)
     return found
 
@@ -104,12 +104,12 @@ def _parameters(evidence: Evidence, hypothesis: Hypothesis) -> list[_Fitted]:
                 made.append(_Fitted(term.effect.id, name, value, bounds, False, slope, (k, -1)))
         start += len(form.coefficients)
         for j, (name, value, bounds) in enumerate(zip(form.shapes, term.shape, form.limits, strict=True)):
-            scale = bounds[0] * bounds[1] > 0.0
-            step = STEP * (abs(value) if scale else bounds[1] - bounds[0])
+            by_ratio = bounds[0] * bounds[1] > 0.0
+            step = STEP * (abs(value) if by_ratio else bounds[1] - bounds[0])
             low, high = (float(np.clip(value + sign * step, *bounds)) for sign in (-1.0, 1.0))
             slope = _torque(evidence, hypothesis, (k, j), high) - _torque(evidence, hypothesis, (k, j), low)
-            slope *= (value if scale else 1.0) / (high - low)
-            made.append(_Fitted(term.effect.id, name, value, bounds, scale, slope, (k, j)))
+            slope *= (value if by_ratio else 1.0) / (high - low)
+            made.append(_Fitted(term.effect.id, name, value, bounds, by_ratio, slope, (k, j)))
     return made
 
 
@@ -134,16 +134,16 @@ def _seen(evidence: Evidence, hypothesis: Hypothesis, series: Floats) -> Floats:
 def _standard_errors(columns: Floats, left: Floats) -> Floats:
     """Of the weights of ``columns`` (n, k) where ``left`` (n,) is left over, shape (k,); infinite where they do nothing or the same."""
     sizes = np.linalg.norm(columns, axis=0)
-    told = sizes > 1e-9 * max(float(sizes.max()), 1e-300)
-    scaled = columns[:, told] / sizes[told]
+    acting = sizes > 1e-9 * max(float(sizes.max()), 1e-300)
+    scaled = columns[:, acting] / sizes[acting]
     values, vectors = np.linalg.eigh(scaled.T @ scaled)
     alike = values < ALIKE
     inverse = (vectors[:, ~alike] / values[~alike]) @ vectors[:, ~alike].T
     starts = np.linspace(0, left.size, BLOCKS + 1).astype(int)[:-1]
     scores = np.add.reduceat(scaled * left[:, None], starts, axis=0)
     covariance = inverse @ (scores.T @ scores) @ inverse * BLOCKS / (BLOCKS - 1)
-    error = np.sqrt(np.maximum(np.diag(covariance), 0.0)) / sizes[told]
+    error = np.sqrt(np.maximum(np.diag(covariance), 0.0)) / sizes[acting]
     error[np.any(np.abs(vectors[:, alike]) > 1e-3, axis=1)] = np.inf
     errors = np.full(sizes.size, np.inf)
-    errors[told] = error
+    errors[acting] = error
     return errors

@@ -8,8 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
+from hystbench.diagnosis import registry
 from hystbench.diagnosis.attribution import locate
-from hystbench.diagnosis.evidence import boxed_least_squares
+from hystbench.diagnosis.emulation import SimulatorScene, emulate
+from hystbench.diagnosis.evidence import Evidence, Term, boxed_least_squares
 from hystbench.diagnosis.excitation import Limits, candidate_motions
 from hystbench.diagnosis.heldout import _folds, closed_share, structured_power
 from hystbench.diagnosis.operators import bristle, lowpass, plays
@@ -36,6 +38,25 @@ def test_equal_bounds_fix_a_coefficient() -> None:
         np.eye(2)[None], np.array([[3.0, 3.0]]), np.array([1.0, -np.inf]), np.array([1.0, np.inf])
     )
     assert beta[0] == pytest.approx([1.0, 3.0])
+
+
+def test_a_set_is_fitted_beside_an_exact_simulator_as_if_there_were_no_other() -> None:
+    """A limit sees the torque that another effect made; beside a refitted simulator that is quite another torque."""
+    time = np.arange(3000) * 0.01
+    x = np.sin(1.9 * time) * (0.6 + 0.3 * np.sin(0.3 * time)) + 0.2 * np.sin(5.2 * time)
+    sim = 4.0 * x + 2.0 * (x - plays(x, np.array([0.1]))[:, 0])
+    real = np.clip(sim + 1.2 * np.minimum(x, 0.0), -3.3, 2.9) + 0.01 * np.random.default_rng(1).standard_normal(x.size)
+    recorded = Signals(time, x, real, sim, [slice(0, x.size)], {})
+    evidence = Evidence(SimulatorScene(recorded, emulate(recorded, None)))
+    terms = []
+    for name, law, shape in (("stiffness_asymmetry", "spring, lower side", ()), ("torque_saturation", "hard", (3.1,))):
+        effect = registry.get(name)()
+        form = next(form for form in effect.forms(evidence.scene) if form.name == law)
+        terms.append(Term(effect, form, shape))
+    among_all = evidence.fit(terms)
+    assert among_all.scale not in evidence.exact
+    for scale in evidence.exact:
+        assert among_all.by_scale[scale] >= evidence.fit(terms, (scale,)).score - 1.0
 
 
 def test_operators_match_their_definitions() -> None:

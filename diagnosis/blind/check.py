@@ -8,7 +8,6 @@ import os
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -31,8 +30,8 @@ from .carry_over import found_closed, named_effects, predicted_closed, signal_on
 from .cases import SINE, TEST_PLANTS, USUAL, available, bank, group, outside_of, quick_part
 from .cost import LENGTHS, growth, measure
 from .motions import MOTIONS
-from .plant import Case, Joint, Made, Plant
-from .plants import joint_of, plant_of
+from .plant import Case, Made, Plant
+from .plants import plant_of
 from .scoring import is_right, score
 
 __all__ = ["FIRST_SEED", "Laboratory", "check", "diagnose_blind", "examine", "lines", "seal", "unseal"]
@@ -47,23 +46,16 @@ class Laboratory:
     """Where further recordings of a sealed plant are made on request; it tells nothing but the recording."""
 
     case: Case
-    sizes: Mapping[str, float]
-    noise: float
-
-    @cached_property
-    def _joint(self) -> Joint:
-        return joint_of(self.case, SECONDS, RATE)[0]
+    plant: Plant
 
     def record(self, time: np.ndarray, x: np.ndarray, request: int) -> Made:
         """Drive the case's plant along another motion; ``request`` numbers the requests (its noise is another)."""
-        return Plant(self._joint, self.sizes, self.noise).record(
-            time, x, np.random.default_rng([self.case.seed, 3, request])
-        )
+        return self.plant.record(time, x, np.random.default_rng([self.case.seed, 3, request]))
 
     def other_motion(self) -> tuple[np.ndarray, np.ndarray]:
         """A motion of another kind than the case's."""
         other = next(kind for kind in USUAL if kind != self.case.motion)
-        return MOTIONS[other](np.random.default_rng([self.case.seed, 4]), self._joint.reach, SECONDS, RATE)
+        return MOTIONS[other](np.random.default_rng([self.case.seed, 4]), self.plant.joint.reach, SECONDS, RATE)
 
 
 def check(out: Path, seeds: int = 1, jobs: int | None = None, quick: bool = False) -> list[str]:
@@ -187,7 +179,7 @@ def _write_case(case: Case, out: Path, name: str) -> tuple[dict[str, Any], dict[
         "oracle_closed": made.oracle_closed,
     }
     task = {"id": name, "real": real, "sim": sim, "exclude": list(case.excluded)}
-    return label, task, Laboratory(case, plant.sizes, plant.noise)
+    return label, task, Laboratory(case, plant)
 
 
 def examine(out: Path, task: Mapping[str, Any], laboratory: Laboratory) -> dict[str, Any]:

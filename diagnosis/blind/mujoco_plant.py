@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import mujoco
@@ -21,6 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, PchipInterpolator
 from scipy.ndimage import uniform_filter1d
+
+from .plant import Remade
 
 __all__ = ["EFFECTS", "OUTSIDE", "MujocoJoint"]
 
@@ -371,7 +374,7 @@ def _elements(force: float, reach: float, count: int, middle: float) -> tuple[Fl
     return loss / yields, loss
 
 
-class MujocoJoint:
+class MujocoJoint(Remade):
     """One random design; its effects' parameters are chosen for the motion ``motion(reach)`` and kept for others."""
 
     clean_input = True
@@ -386,7 +389,6 @@ class MujocoJoint:
         stiffness, loss = _elements(force * off[2], self.reach, SIMULATED_ELEMENTS, middle)
         self._simulator = _Design(spring * off[0], rest * off[1], stiffness * off[3], loss * off[4:])
         self._seed = seed
-        self._kept: dict[Any, Floats] = {}
         time, x = motion(self.reach)
         torque = self._torque(self._base, time, x)
         course = CubicSpline(time, x)
@@ -394,6 +396,10 @@ class MujocoJoint:
             self.reach, float(np.std(torque)), float(np.max(np.abs(torque))), float(np.std(course(time, 1))),
             float(np.std(course(time, 2))), float(np.max(x)), float(-np.min(x)), float(time[-1]),
         )  # fmt: skip
+
+    @cached_property
+    def _kept(self) -> dict[Any, Floats]:
+        return {}
 
     def real(self, time: Floats, x: Floats, sizes: Mapping[str, float]) -> tuple[Floats, Floats]:
         """Measured deflection and torque, free of noise, with effects of the given sizes."""

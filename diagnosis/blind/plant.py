@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from functools import cached_property
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from scipy.optimize import brentq
 
 from ..signals import Signals
 
-__all__ = ["BASE_ERROR", "Case", "Joint", "Made", "Plant", "sized"]
+__all__ = ["BASE_ERROR", "Case", "Joint", "Made", "Plant", "Remade", "sized"]
 
 Floats = NDArray[np.float64]
 NOISE = 0.004
@@ -76,6 +77,14 @@ class Joint(Protocol):
     def simulated(self, time: Floats, x: Floats) -> Floats:
         """The simulator's torque."""
         ...
+
+
+class Remade:
+    """A joint that is pickled without its cached properties: these are made again where they are asked for."""
+
+    def __getstate__(self) -> dict[str, Any]:
+        kind = type(self)
+        return {k: v for k, v in vars(self).items() if not isinstance(getattr(kind, k, None), cached_property)}
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from .motions import MOTIONS
-from .plant import Case, Joint, Made, Plant, sized
+from .plant import Case, Joint, Made, Plant, Remade, sized
 from .varied_plant import VariedJoint
 
 __all__ = ["EFFECTS", "MUJOCO", "OUTSIDE", "PLANTS", "VARIED", "AnalyticJoint", "Case", "Made", "make", "plant_of"]
@@ -400,19 +401,24 @@ SENSED = ("torque_gain", "torque_offset", "sensor_delay", "torque_saturation")
 """Effects of the torque sensor, which sees what all others made."""
 
 
-class AnalyticJoint:
+class AnalyticJoint(Remade):
     """A joint of one of :data:`PLANTS`; its effects' parameters are chosen for the motion ``x`` and kept for others."""
 
     def __init__(
         self, plant: str, seed: int, base_error: float, motion: Callable[[float], tuple[Floats, Floats]]
     ) -> None:
-        self._base = PLANTS[plant](np.random.default_rng([seed, 0]), base_error)
+        self._design = plant, seed, base_error
         self._seed = seed
         self.reach = self._base.reach
         # A Bouc-Wen simulator drifts under input noise (it breaks Drucker's postulate): it is given the clean motion.
         self.clean_input = self._base.clean_input
         time, x = motion(self.reach)
         self._typical = _Typical.of(time, x, self._base.real(x))
+
+    @cached_property
+    def _base(self) -> _Base:
+        plant, seed, base_error = self._design
+        return PLANTS[plant](np.random.default_rng([seed, 0]), base_error)
 
     def real(self, time: Floats, x: Floats, sizes: Mapping[str, float]) -> tuple[Floats, Floats]:
         """Measured deflection and torque, free of noise, with effects of the given sizes."""
@@ -428,8 +434,8 @@ class AnalyticJoint:
         return self._base.simulated(x)
 
 
-def joint_of(case: Case, seconds: float, rate: float) -> tuple[Joint, Floats, Floats]:
-    """The case's joint without its effects, and the motion along which it is recorded."""
+def plant_of(case: Case, seconds: float = 45.0, rate: float = 100.0) -> tuple[Plant, Floats, Floats]:
+    """The case's plant, and the motion along which it is recorded."""
 
     def motion(reach: float) -> tuple[Floats, Floats]:
         return MOTIONS[case.motion](np.random.default_rng([case.seed, 1]), reach, seconds, rate)
@@ -442,12 +448,7 @@ def joint_of(case: Case, seconds: float, rate: float) -> tuple[Joint, Floats, Fl
         joint = VariedJoint(case.seed, case.base_error, motion)
     else:
         joint = AnalyticJoint(case.plant, case.seed, case.base_error, motion)
-    return joint, *motion(joint.reach)
-
-
-def plant_of(case: Case, seconds: float = 45.0, rate: float = 100.0) -> tuple[Plant, Floats, Floats]:
-    """The case's plant, and the motion along which it is recorded."""
-    joint, time, x = joint_of(case, seconds, rate)
+    time, x = motion(joint.reach)
     return sized(joint, case.effects, case.ratio, time, x), time, x
 
 

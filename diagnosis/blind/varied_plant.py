@@ -10,12 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.signal import butter, lfilter, lfilter_zi
+
+from .plant import Remade
 
 __all__ = ["LAWS", "OUTSIDE", "Law", "VariedJoint"]
 
@@ -496,16 +499,14 @@ OUTSIDE: dict[str, Law] = {
 """Effects that no entry of the registry describes."""
 
 
-class VariedJoint:
+class VariedJoint(Remade):
     """One random design; its effects' laws and parameters are drawn once and kept for every motion."""
 
     clean_input = False
 
     def __init__(self, seed: int, base_error: float, motion: Callable[[float], tuple[Floats, Floats]]) -> None:
-        rng = np.random.default_rng([seed, 0])
-        self.reach = float(np.exp(rng.uniform(np.log(0.05), np.log(2.0))))
-        self._real, self._simulator = _bases(rng, base_error, self.reach)
-        self._seed = seed
+        self._seed, self._base_error = seed, base_error
+        self.reach = self._drawn[0]
         time, x = motion(self.reach)
         torque = self._real.torque(time, x)
         course = CubicSpline(time, x)
@@ -518,6 +519,16 @@ class VariedJoint:
             "turns": max(float(np.count_nonzero(np.diff(np.sign(np.diff(x))))), 1.0),
             "work": float(np.sum(np.abs(torque * np.diff(x, prepend=0.0)))),
         }  # fmt: skip
+
+    @cached_property
+    def _drawn(self) -> tuple[float, _Base, _Base]:
+        rng = np.random.default_rng([self._seed, 0])
+        reach = float(np.exp(rng.uniform(np.log(0.05), np.log(2.0))))
+        return reach, *_bases(rng, self._base_error, reach)
+
+    @property
+    def _real(self) -> _Base:
+        return self._drawn[1]
 
     def law(self, name: str) -> Law:
         """The law that this joint's effect follows."""
@@ -534,4 +545,4 @@ class VariedJoint:
 
     def simulated(self, time: Floats, x: Floats) -> Floats:
         """The simulator's torque."""
-        return self._simulator.torque(time, x)
+        return self._drawn[2].torque(time, x)
