@@ -54,7 +54,7 @@ def deliver(
         if str(json_file) == "-":
             return [found.to_json().rstrip("\n")]
         write_text(json_file, found.to_json())
-    return [*summary(found), *lines]
+    return [*summary(found, designed=out is not None or json_file is not None), *lines]
 
 
 def sentence(found: Diagnosis) -> str:
@@ -78,8 +78,8 @@ def sentence(found: Diagnosis) -> str:
     return f"The gap of {found.rmse:.3g} {found.signals.unit} comes from {cause}; adding that closes {100.0 * closed:.0f} % of it {sure}."
 
 
-def summary(found: Diagnosis) -> list[str]:
-    """A few lines for the terminal."""
+def summary(found: Diagnosis, designed: bool) -> list[str]:
+    """A few lines for the terminal; ``designed`` if a next recording was looked for."""
     lines = [sentence(found)]
     if found.places:
         lines.append(
@@ -97,4 +97,10 @@ def summary(found: Diagnosis) -> list[str]:
         lines.append(f"this recording cannot tell apart: {' and '.join(pair)}")
     if found.next_recording:
         lines.append(f"record next: {found.next_recording['file']} ({found.next_recording['why']})")
+    elif found.ambiguous:
+        lines.append(
+            "record next: no motion within the recorded deflection, speed and acceleration would tell them apart"
+            if designed
+            else "record next: name --out, and the shortest motion that would tell them apart is written there"
+        )
     return [click.unstyle(line) for line in lines]

@@ -231,6 +231,24 @@ def test_command_writes_contract_json_page_and_corrected_simulator(
     assert "damping" in (out / "formula.txt").read_text(encoding="utf-8")
 
 
+def test_what_no_motion_tells_apart_is_said_to_be_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """On a linear spring a constant torque and a constant deflection are the same."""
+    time, x = motion()
+    sim = 4.0 * x
+    noise = NOISE * np.random.default_rng(3).standard_normal(x.size)
+    recording = Signals(time, x, sim + 0.06 + noise, sim, [slice(0, x.size)], {})
+    real, simulator = write_pair(tmp_path, recording)
+    asked = ["diagnose", str(real), "--sim", str(simulator)]
+    assert execute(cli, asked) == 0
+    told = capsys.readouterr().out
+    assert "cannot tell apart: deflection_offset and torque_offset" in told
+    assert "name --out" in told
+    assert execute(cli, [*asked, "--out", str(tmp_path / "out")]) == 0
+    assert "no motion within the recorded deflection" in capsys.readouterr().out
+    assert "No motion within the recorded" in (tmp_path / "out" / "diagnosis.html").read_text(encoding="utf-8")
+    assert not (tmp_path / "out" / "next.csv").exists()
+
+
 def test_a_model_file_is_a_simulator(tmp_path: Path) -> None:
     time, x = motion()
     model = models.get("prandtl-ishlinskii")().fit(x, joint(x))

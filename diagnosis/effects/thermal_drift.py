@@ -109,6 +109,8 @@ class ThermalDrift(Effect):
         waves = ("period",), [(share * span,) for share in (0.6, 1.2, 2.4)], [(0.5 * span, 4.0 * span)]
         warming = ("time_constant",), constants, limits
         heating = ("time_constant",), constants[1::2], limits
+        # What heats all the time and has soon settled would be an offset.
+        slowly = ("time_constant",), [(t,) for t in geometric(0.2 * span, 1.2 * span, 3)], [(0.12 * span, 3.0 * span)]
         heated = _form("stiffness, self-heating", stiffness, times(_self_heating, _torque), *heating)
         warmed = _form("stiffness, exponential", stiffness, times(_warming, _torque), *warming)
         rubbed = _form("stiffness, friction heating", stiffness, times(_friction_heating, _torque), *heating)
@@ -118,7 +120,7 @@ class ThermalDrift(Effect):
             _form("zero, exponential", zero, _warming, *warming),
             _form("zero, self-heating", zero, _self_heating, *heating),
             _form("zero, slow wave", (*zero, "zero_drift_cos"), _wave, *waves),
-            _form("zero, self-heating and warming", (*zero, "zero_drift_idle"), _both_heats, *heating),
+            _form("zero, self-heating and warming", (*zero, "zero_drift_idle"), _both_heats, *slowly),
             heated,
             _form("stiffness, linear", stiffness, times(_warming, _torque)),
             warmed,
