@@ -87,8 +87,13 @@ def intervals(evidence: Evidence, hypothesis: Hypothesis) -> dict[str, dict[str,
 
 
 def told(interval: tuple[float, float] | None) -> str:
-    """An interval in words."""
-    return "not determined by this recording" if interval is None else f"{interval[0]:.3g} to {interval[1]:.3g}"
+    """An interval in words, with as many digits as tell its ends apart."""
+    if interval is None:
+        return "not determined by this recording"
+    low, high = interval
+    wide = (high - low) / max(abs(low), abs(high), 1e-300)
+    digits = int(np.clip(1.0 - np.floor(np.log10(max(wide, 1e-9))), 3, 6))
+    return f"{low:.{digits}g} to {high:.{digits}g}"
 
 
 def _parameters(evidence: Evidence, hypothesis: Hypothesis) -> list[_Fitted]:

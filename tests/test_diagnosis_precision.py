@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +14,7 @@ from hystbench.diagnosis.corrected import calibrated, formula
 from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.evidence import Evidence, Term
-from hystbench.diagnosis.precision import intervals
+from hystbench.diagnosis.precision import intervals, told
 from hystbench.diagnosis.signals import Signals
 
 Floats = NDArray[np.float64]
@@ -71,25 +70,38 @@ def test_a_limit_that_was_never_reached_is_not_determined() -> None:
     soft = np.where(joint(X) > 0.0, joint(X) / (1.0 + np.abs(joint(X) / top) ** 8) ** (1.0 / 8.0), joint(X))
     found = diagnose(signals(soft, white(np.random.default_rng(1))))
     assert found.verdict == ["torque_saturation"]
-    told = found.parameter_intervals["torque_saturation"]
-    low, high = told["limit"] or (0.0, 0.0)
+    known = found.parameter_intervals["torque_saturation"]
+    low, high = known["limit"] or (0.0, 0.0)
     assert low < top < high
     assert high - low < 0.1 * top
-    assert told["limit_below"] is None
+    assert known["limit_below"] is None
     assert "not determined by this recording" in formula(found, calibrated(found, None))
 
 
-def test_every_figure_of_the_verdict_has_its_interval(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("ends", "words"),
+    [
+        ((157.233, 157.373), "157.23 to 157.37"),
+        ((0.1, 0.2), "0.1 to 0.2"),
+        ((-0.0043, 0.0104), "-0.0043 to 0.0104"),
+        (None, "not determined by this recording"),
+    ],
+)
+def test_an_interval_has_the_digits_that_tell_its_ends_apart(ends: tuple[float, float] | None, words: str) -> None:
+    assert told(ends) == words
+
+
+def test_every_figure_of_the_verdict_has_its_interval() -> None:
     friction = FRICTION * np.tanh(SPEED / 0.01)
     found = diagnose(signals(joint(X) + DAMPING * SPEED + friction, white(np.random.default_rng(3))))
     assert set(found.verdict) == {"viscous_friction", "coulomb_friction"}
     entries = {entry["name"]: entry for entry in found.document()["effects"]}
     for name in found.verdict:
-        told = entries[name]["parameter_intervals"]
-        assert set(told) == set(entries[name]["parameters"])
+        known = entries[name]["parameter_intervals"]
+        assert set(known) == set(entries[name]["parameters"])
         for parameter, value in entries[name]["parameters"].items():
-            if told[parameter] is not None:
-                low, high = told[parameter]
+            if known[parameter] is not None:
+                low, high = known[parameter]
                 assert low <= value * (1.0 + 1e-5)
                 assert high >= value * (1.0 - 1e-5)
     assert not any(entry["parameter_intervals"] for name, entry in entries.items() if name not in found.verdict)
