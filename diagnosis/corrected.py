@@ -252,11 +252,14 @@ def formula(found: Diagnosis, emulator: Emulator) -> str:
         )
     for term in _named(found):
         lines.append(f"add {term.effect.title} ({term.form.name}): {term.effect.equation}")
-        known = {parameter.name: parameter for parameter in term.effect.parameters}
+        described = {parameter.name: parameter for parameter in term.effect.parameters}
+        between = found.parameter_intervals.get(term.effect.id, {})
         for name, value in found.choice.hypothesis.parameters(term.effect.id).items():
-            unit = "" if known[name].unit == "1" else f" {known[name].unit}"
-            between = told(found.parameter_intervals[term.effect.id][name])
-            lines.append(f"    {name} = {value:.6g}{unit}   ({between})   {known[name].meaning}")
+            # A plug-in's effect may describe less than the built-in ones do, and what it holds fixed has no interval.
+            one = described.get(name)
+            unit = f" {one.unit}" if one and one.unit != "1" else ""
+            interval = f"   ({told(between[name])})" if name in between else ""
+            lines.append(f"    {name} = {value:.6g}{unit}{interval}" + (f"   {one.meaning}" if one else ""))
         if _follows_a_channel(found, term):
             lines.append("    (not in corrected.json, which sees the deflection alone)")
     return "\n".join(lines)

@@ -142,9 +142,9 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     floor = evidence.sigma
     energy = max(float(np.mean(np.square(evidence.gap))) - floor**2, 1e-6 * floor**2)
     size = max(rms(evidence.gap), floor)
-    priors = {id(h): _prior(evidence, h, size) for h in found}
-    found = [h for h in found if np.isfinite(priors[id(h)])]
-    ranked = sorted(found, key=lambda h: -(h.score + priors[id(h)]))
+    likely = {id(h): h.score + _prior(evidence, h, size) for h in found}
+    found = [h for h in found if np.isfinite(likely[id(h)])]
+    ranked = sorted(found, key=lambda h: -likely[id(h)])
     simple = simplest(evidence, ranked, energy)
     best = fewest(evidence, ranked, simple, energy)
     blank = found[0]
@@ -170,8 +170,9 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     if best.terms and not is_refitted(best.scale):
         # What could stand in for it is judged as it is: beside an exact simulator where that is hardly worse.
         ranked = [hardly_worse(evidence, h) for h in ranked]
-        ranked.sort(key=lambda h: -(h.score + _prior(evidence, h, size)))
-    scores = np.array([h.score + _prior(evidence, h, size) for h in ranked])
+        likely |= {id(h): h.score + _prior(evidence, h, size) for h in ranked if id(h) not in likely}
+        ranked.sort(key=lambda h: -likely[id(h)])
+    scores = np.array([likely[id(h)] for h in ranked])
     choice = _stated(evidence, found, ranked, scores, best, own, refit, energy)
     if choice.verdict == [UNKNOWN] and evidence.is_beside_refit(best):
         # Doubtful beside a simulator that is off in any case; which alone may leave no more than an inexact law.

@@ -72,6 +72,17 @@ def test_the_formula_says_what_to_scale() -> None:
     assert "damping" in told
 
 
+def test_the_formula_of_an_effect_that_describes_no_parameters_has_their_values(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    time, x = motion(0.31, 1.13)
+    found = diagnosed(damped(time, x), joint(x), time, x)
+    (effect,) = [term.effect for term in found.choice.hypothesis.terms]
+    monkeypatch.setattr(type(effect), "parameters", ())
+    (damping,) = re.findall(r"damping = ([0-9.]+)", formula(found, calibrated(found, None)))
+    assert float(damping) == pytest.approx(0.1, rel=0.01)
+
+
 def test_a_model_is_calibrated_anew_as_a_model_of_its_kind(tmp_path: Path) -> None:
     time, x = motion(0.31, 1.13)
     model = models.get("prandtl-ishlinskii")().fit(x, joint(x, 0.95, 1.06))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..evidence import Term, boxed_least_squares
@@ -23,7 +25,7 @@ def by_correlation(library: Library) -> str:
     def largest(term: Term, columns: slice) -> float:
         return float(correlations[columns].max())
 
-    return max(zip(library.terms, library.slices, strict=True), key=lambda one: largest(*one))[0].effect.id
+    return _best(library, largest)
 
 
 def by_fit(library: Library) -> str:
@@ -36,4 +38,9 @@ def by_fit(library: Library) -> str:
         _, reduced = boxed_least_squares(gram[columns, columns][None], moment[columns][None], lower, upper)
         return float(reduced[0])
 
-    return max(zip(library.terms, library.slices, strict=True), key=lambda one: reduction(*one))[0].effect.id
+    return _best(library, reduction)
+
+
+def _best(library: Library, worth: Callable[[Term, slice], float]) -> str:
+    """The effect of the term that is worth most, by it and its columns."""
+    return max(zip(library.terms, library.slices, strict=True), key=lambda one: worth(*one))[0].effect.id

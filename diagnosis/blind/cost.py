@@ -35,8 +35,7 @@ def _diagnose(samples: int) -> dict[str, Any]:
     from ..signals import Signals
 
     def recorded(count: int) -> Signals:
-        made = make(Case("asymmetric", ("viscous_friction",), 4.0, 0.0, "rich", 1), count / RATE, RATE)
-        return made.signals
+        return make(Case("asymmetric", ("viscous_friction",), 4.0, 0.0, "rich", 1), count / RATE, RATE).signals
 
     # Kernels are compiled or loaded once an installation; what is measured comes after.
     diagnose(recorded(1000))

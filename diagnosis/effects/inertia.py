@@ -55,10 +55,11 @@ class Inertia(Effect):
         signals = scene.signals
         step = signals.interval
         # A longer lag turns inertia into damping.
-        pace = float(np.std(signals.speed)) / max(float(np.std(signals.acceleration)), 1e-300)
+        speed, acceleration = float(np.std(signals.speed)), float(np.std(signals.acceleration))
+        pace = speed / max(acceleration, 1e-300)
         longest = max(0.15 * pace, 0.1 * step)
         # Within the motion's band it would be a resonance, which is another matter; faster than sampled, it is rigid.
-        swings = (2.0 * float(np.std(signals.acceleration)) / max(float(np.std(signals.speed)), 1e-300), 0.7 / step)
+        swings = (2.0 * acceleration / max(speed, 1e-300), 0.7 / step)
         free = (0.0,), (np.inf,)
         return [
             Form("rigid", ("inertia",), _columns, *free),
