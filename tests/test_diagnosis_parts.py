@@ -45,11 +45,11 @@ def test_a_set_is_fitted_beside_an_exact_simulator_as_if_there_were_no_other() -
     time = np.arange(3000) * 0.01
     x = np.sin(1.9 * time) * (0.6 + 0.3 * np.sin(0.3 * time)) + 0.2 * np.sin(5.2 * time)
     sim = 4.0 * x + 2.0 * (x - plays(x, np.array([0.1]))[:, 0])
-    real = np.clip(sim + 1.2 * np.minimum(x, 0.0), -3.3, 2.9) + 0.01 * np.random.default_rng(1).standard_normal(x.size)
+    real = np.clip(sim + 1.2 * np.minimum(x, 0.0), -3.3, 3.3) + 0.01 * np.random.default_rng(1).standard_normal(x.size)
     recorded = Signals(time, x, real, sim, [slice(0, x.size)], {})
     evidence = Evidence(SimulatorScene(recorded, emulate(recorded, None)))
     terms = []
-    for name, law, shape in (("stiffness_asymmetry", "spring, lower side", ()), ("torque_saturation", "hard", (3.1,))):
+    for name, law, shape in (("stiffness_asymmetry", "spring, lower side", ()), ("torque_saturation", "hard", (2.9,))):
         effect = registry.get(name)()
         form = next(form for form in effect.forms(evidence.scene) if form.name == law)
         terms.append(Term(effect, form, shape))
