@@ -26,8 +26,13 @@ def tests(session: nox.Session) -> None:
     """The test suite with statement coverage, which must not fall below 90 %."""
     _install(session, "test")
     session.run("coverage", "erase")
+    # One process a core, but each compiles what it calls and holds recordings: past four there is little to gain.
+    processes = str(min(os.cpu_count() or 1, 4))
     # `python -m pytest` would put this folder on sys.path, where `datasets` would shadow another package.
-    session.run("pytest", "--cov", "--cov-report=term:skip-covered", "--cov-fail-under=90", *session.posargs, env=ENV)
+    session.run(
+        "pytest", "--numprocesses", processes, "--dist", "loadscope",
+        "--cov", "--cov-report=term:skip-covered", "--cov-fail-under=90", *session.posargs, env=ENV,
+    )  # fmt: skip
 
 
 @nox.session
