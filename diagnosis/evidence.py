@@ -366,9 +366,8 @@ class Evidence:
             return start
         low = np.array([start.terms[i].form.limits[j][0] for i, j in slots])
         high = np.array([start.terms[i].form.limits[j][1] for i, j in slots])
-        # Shapes are lengths, times and speeds: they are searched by ratio wherever their bounds have one sign.
         flipped = high <= 0.0
-        by_ratio = low * high > 0.0
+        by_ratio = np.array([start.terms[i].form.by_ratio[j] for i, j in slots])
         first = np.array([start.terms[i].shape[j] for i, j in slots])
 
         def encode(values: Floats) -> Floats:

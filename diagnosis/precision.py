@@ -108,8 +108,8 @@ def _parameters(evidence: Evidence, hypothesis: Hypothesis) -> list[_Fitted]:
                 value, slope = float(hypothesis.coefficients[start + j]), hypothesis.columns[:, start + j]
                 made.append(_Fitted(term.effect.id, name, value, bounds, False, slope, (k, -1)))
         start += len(form.coefficients)
-        for j, (name, value, bounds) in enumerate(zip(form.shapes, term.shape, form.limits, strict=True)):
-            by_ratio = bounds[0] * bounds[1] > 0.0
+        shapes = zip(form.shapes, term.shape, form.limits, form.by_ratio, strict=True)
+        for j, (name, value, bounds, by_ratio) in enumerate(shapes):
             step = STEP * (abs(value) if by_ratio else bounds[1] - bounds[0])
             low, high = (float(np.clip(value + sign * step, *bounds)) for sign in (-1.0, 1.0))
             slope = _torque(evidence, hypothesis, (k, j), high) - _torque(evidence, hypothesis, (k, j), low)

@@ -22,6 +22,8 @@ INHERITED = 3
 """Sets of each size whose shapes are tried in smaller sets."""
 HOPEFUL = 0.005
 """Evidence a sample that a further effect must bring for still another to be looked for."""
+GROWN, PAIRS = 4, 3
+"""Effects from which pairs grow beside an exact simulator where the likeliest pair is beside a refitted one, and such pairs."""
 IN_COMPANY = 6
 """Steps of refinement of effects beside others."""
 LAWS, EXACT_LAWS = 2, 1
@@ -193,6 +195,10 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
             for better, numbers in _beside_exact(library):
                 _keep(refined, better, numbers)
                 _note_exact(exact, better)
+        if size == 2 and is_refitted(max(refined.values(), key=lambda item: item[0].score)[0].scale):
+            for better, numbers in _pairs_beside_exact(library, exact):
+                _keep(refined, better, numbers)
+                _note_exact(exact, better)
         if size > 1:
             # In company only the most likely sets are worth other forms.
             for fitted, numbers in sorted(refined.values(), key=lambda item: -item[0].score)[: 4 - size]:
@@ -256,6 +262,31 @@ def _beside_exact(library: Library) -> list[tuple[Hypothesis, tuple[int, ...]]]:
             continue
         fitted = evidence.refine(evidence.fit(terms, exact), 10, exact)
         made += [(better, numbers) for better in (evidence.fit(fitted.terms), *_successors(evidence, fitted))]
+    return made
+
+
+def _pairs_beside_exact(
+    library: Library, exact: dict[frozenset[str], Hypothesis]
+) -> list[tuple[Hypothesis, tuple[int, ...]]]:
+    """The pairs that do best beside an exact simulator, grown from the effects that alone do best there, and refined there.
+
+    Where one effect alone leaves much, a refitted simulator takes a part of both, and other effects come out ahead.
+    """
+    evidence = library.evidence
+    singles = [evidence.fit(hypothesis.terms, evidence.exact) for hypothesis in exact.values()]
+    singles = sorted(singles, key=lambda h: -h.score)[:GROWN]
+    bases = library.add([term for single in singles for term in single.terms])
+    ranked = sorted(
+        (item for base in bases for item in library.extend((base,), evidence.exact)), key=lambda item: -item[0]
+    )
+    pairs: dict[frozenset[str], tuple[int, ...]] = {}
+    for _, numbers in ranked:
+        pairs.setdefault(frozenset(library.terms[k].effect.id for k in numbers), numbers)
+    made = []
+    for numbers in list(pairs.values())[:PAIRS]:
+        start = evidence.fit([library.terms[k] for k in numbers], evidence.exact)
+        fitted = evidence.fit(evidence.refine(start, IN_COMPANY, evidence.exact).terms)
+        made += [(better, numbers) for better in (fitted, *_siblings(evidence, fitted))]
     return made
 
 

@@ -128,6 +128,11 @@ class Form:
     refines: tuple[str, ...] = ()
     start: Callable[[tuple[float, ...], Floats], tuple[float, ...]] | None = None
 
+    @property
+    def by_ratio(self) -> tuple[bool, ...]:
+        """Which shapes are lengths, times or speeds, whose steps are ratios: those whose limits have one sign."""
+        return tuple(low * high > 0.0 for low, high in self.limits)
+
 
 class Effect:
     """Base class of effect plug-ins (entry-point group ``hystbench.effects``)."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -15,6 +16,15 @@ MOSTLY_OFFSET = 5.0
 """Mean of the error over its deviation, from which it is no eccentricity."""
 ZEROED, SETTLED = "zero at home", "friction settled at home"
 """What is zero at home: the encoder's error, or only the friction, which has settled there."""
+
+
+def _error(sizes: Sequence[float], angle: Floats) -> tuple[Floats, Floats]:
+    """The periodic error and its derivative by the angle (n,), for sine and cosine of each harmonic in turn in ``sizes``."""
+    turned = np.exp(1j * angle)
+    harmonics = [
+        (k, (q - 1j * p) * turned**k) for k, (p, q) in enumerate(zip(sizes[::2], sizes[1::2], strict=True), start=1)
+    ]
+    return np.real(sum(wave for _, wave in harmonics)), np.real(sum(1j * k * wave for k, wave in harmonics))
 
 
 def _columns(harmonics: int, home: str = "") -> Columns:
@@ -39,13 +49,8 @@ def _of_true_angle(home: str = "") -> Columns:
         at_home = sum(sizes[1::2]) if home else 0.0
         # Newton's steps for z = x + p sin(N z) + q cos(N z) + …; the slope is kept from making them leap.
         for _ in range(3):
-            error, slope = np.full_like(x, -at_home), np.ones_like(x)
-            for k in range(len(sizes) // 2):
-                n, p, q = (k + 1) * periods, sizes[2 * k], sizes[2 * k + 1]
-                sine, cosine = np.sin(n * true), np.cos(n * true)
-                error += p * sine + q * cosine
-                slope -= n * (p * cosine - q * sine)
-            true = true - (true - x - error) / np.maximum(slope, 0.3)
+            error, steepness = _error(sizes, periods * true)
+            true = true - (true - x - error + at_home) / np.maximum(1.0 - periods * steepness, 0.3)
         change = scene.torque_change(true)
         if home == SETTLED:
             change = change + scene.spring_change(true + at_home) - scene.spring_change(true)
@@ -84,12 +89,7 @@ class EncoderEccentricity(Effect):
 
     def is_degenerate(self, parameters: dict[str, float], scene: Scene) -> bool:
         # Harmonics that cancel but for their mean are an offset of the deflection.
-        angle = parameters["periods"] * scene.signals.x
-        sizes = [parameters.get(name, 0.0) for name in SIZES]
-        error = sum(
-            p * np.sin(k * angle) + q * np.cos(k * angle)
-            for k, (p, q) in enumerate(zip(sizes[::2], sizes[1::2], strict=True), start=1)
-        )
+        error, _ = _error([parameters.get(name, 0.0) for name in SIZES], parameters["periods"] * scene.signals.x)
         return abs(float(np.mean(error))) > MOSTLY_OFFSET * float(np.std(error))
 
     def forms(self, scene: Scene) -> list[Form]:
