@@ -1,6 +1,6 @@
 """Further elements of the emulator: for simulators that stops, bristles, a polynomial and rates do not emulate.
 
-Each kind is one that simulators of joints are made of: springs with kinks, rubber, smooth yielding, viscoelasticity,
+Each kind is one that simulators of joints are made of: springs with kinks, rubber, smooth yielding, masses, viscoelasticity,
 loops that bend with the place.
 """
 
@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.bouc_wen import BoucWen
-from .operators import hyperbolic, lowpass, plays, rms, yielding
+from .operators import heavy, hyperbolic, lowpass, plays, rms, yielding
 
 __all__ = [
     "ELASTIC",
+    "HEAVY",
     "KINDS",
     "KINKS",
     "MEMORY",
@@ -38,7 +39,7 @@ Floats = NDArray[np.float64]
 Further = Mapping[str, Mapping[str, Any]]
 """By kind: ``sizes`` (k, m) and ``weights`` (k,) of its elements."""
 ELASTIC, MEMORY, RATE = "elastic", "memory", "rate"
-KINKS = "kinks"
+KINKS, HEAVY = "kinks", "heavy sliders"
 PLACES = 49
 """Places of a kink that are tried."""
 MOVED = 0.04
@@ -140,6 +141,11 @@ def _lag(motion: Motion, constant: float) -> Floats:
     return np.concatenate([lowpass(motion.time[run], motion.x[run], constant) - motion.x[run] for run in motion.runs])
 
 
+def _heavy(motion: Motion, level: float, frequency: float, damping: float) -> Floats:
+    """A spring behind a mass with dry friction."""
+    return motion.from_rest(lambda x, time: heavy(time, x, level, frequency, damping), motion.time)
+
+
 def _curved(motion: Motion, sizes: Floats) -> Floats:
     """Products of powers of plays and of the deflection."""
     thresholds, which = np.unique(sizes[:, 0], return_inverse=True)
@@ -180,6 +186,16 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
             for length in (0.004, 0.012, 0.04, 0.12) for pace in (0.03, 0.1, 0.3, 1.0) for excess in (0.5, 1.5)
         ]),
         _by_row(_stribeck),
+    ),
+    # Sliders of an engine for rigid bodies have mass, damping and dry friction. They also round corners that have nothing to
+    # do with mass: they come last.
+    HEAVY: Kind(
+        MEMORY, True,
+        lambda extent: np.array([
+            (length * extent.reach, frequency / extent.interval, damping)
+            for length in np.geomspace(0.02, 1.0, 9) for frequency in (0.1, 0.3, 0.9) for damping in (0.2, 0.9)
+        ]),
+        _by_row(_heavy),
     ),
     "relaxation": Kind(
         RATE, False,

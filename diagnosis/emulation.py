@@ -26,6 +26,7 @@ from ..bench.arguments import time_argument
 from ..errors import InputError
 from .elements import (
     ELASTIC,
+    HEAVY,
     KINDS,
     KINKS,
     MEMORY,
@@ -301,7 +302,7 @@ class Generalised:
         selection = Selection(elements, signals.y_sim[some], of_one_sign)
         few = np.concatenate([np.arange(0, FINER, _spacing(FINER)), np.arange(FINER, stops.shape[1])])
         base = {STOPS: selection.places[STOPS][few]} | {name: selection.places[name] for name in (ELASTIC, "others")}
-        chosen = selection.grow(base, [STOPS, *KINDS], [KINKS])
+        chosen = selection.grow(base, [STOPS, *KINDS], [KINKS], [HEAVY])
         finer = chosen.pop(STOPS).size > few.size
         del chosen[ELASTIC], chosen["others"]
         return FINER if finer else ELEMENTS, {

@@ -6,7 +6,18 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["bristle", "free_flight", "hyperbolic", "lowpass", "plays", "resonated", "rms", "weighed", "yielding"]
+__all__ = [
+    "bristle",
+    "free_flight",
+    "heavy",
+    "hyperbolic",
+    "lowpass",
+    "plays",
+    "resonated",
+    "rms",
+    "weighed",
+    "yielding",
+]
 
 Floats = NDArray[np.float64]
 
@@ -73,6 +84,38 @@ def _yielding(x, level, length, out):
         towards = level[i] if moved > 0.0 else -level[i]
         f = towards + (f - towards) * np.exp(-abs(moved) / (length * level[i]))
         out[i] = f
+
+
+@njit(cache=True)
+def _heavy(time, x, level, frequency, damping, out):
+    ringing = frequency * np.sqrt(1.0 - damping * damping)
+    place, speed, way = 0.0, 0.0, 0.0
+    step, decay, c, s = 0.0, 1.0, 1.0, 0.0
+    out[0] = 0.0
+    for i in range(1, x.size):
+        dt = time[i] - time[i - 1]
+        if dt <= 0.0:
+            place = min(max(place, x[i] - level), x[i] + level)
+            out[i] = x[i] - place
+            continue
+        if dt != step:
+            step, decay = dt, np.exp(-damping * frequency * dt)
+            c, s = np.cos(ringing * dt), np.sin(ringing * dt)
+        if way == 0.0 and abs(x[i] - place) > level:
+            way = 1.0 if x[i] > place else -1.0
+        if way != 0.0:
+            rate = (x[i] - x[i - 1]) / dt
+            late = 2.0 * damping / frequency * rate
+            off, drift = place - (x[i - 1] - way * level) + late, speed - rate
+            swing = (drift + damping * frequency * off) / ringing
+            place = x[i] - way * level - late + decay * (off * c + swing * s)
+            speed = rate + decay * (
+                (swing * ringing - damping * frequency * off) * c - (off * ringing + damping * frequency * swing) * s
+            )
+            if speed * way <= 0.0:
+                # It turns between two samples; where it holds is off by less than it moved there.
+                speed, way = 0.0, 0.0
+        out[i] = x[i] - place
 
 
 @njit(cache=True)
@@ -204,6 +247,18 @@ def yielding(x: Floats, level: Floats, length: float) -> Floats:
     """LuGre bristle of stiffness 1/``length`` over ``x`` (n,) that yields at ``level`` (n,), shape (n,)."""
     out = np.zeros(x.size)
     _yielding(np.ascontiguousarray(x), np.ascontiguousarray(level), float(length), out)
+    return out
+
+
+def heavy(time: Floats, x: Floats, level: float, frequency: float, damping: float) -> Floats:
+    """Stretch of a spring between the input ``x`` (n,) and a mass with dry friction, shape (n,).
+
+    The mass holds until the stretch is over ``level``. It slides as a resonator of natural ``frequency`` (rad/s) and
+    ``damping`` ratio below one, about ``level`` behind the input, and holds again where it would turn. Where no time
+    passes it is dragged along slowly.
+    """
+    out = np.empty(x.size)
+    _heavy(np.ascontiguousarray(time), np.ascontiguousarray(x), float(level), float(frequency), float(damping), out)
     return out
 
 

@@ -114,10 +114,13 @@ class Selection:
         taken = np.where(size > 1e-9 * own, (left[:, :-1].T @ left[:, -1]) ** 2 / np.maximum(size, 1e-300), 0.0)
         return candidates[[int(np.argmax(taken))]]
 
-    def grow(self, base: Mapping[str, Places], kinds: Sequence[str], one_by_one: Sequence[str]) -> dict[str, Places]:
+    def grow(
+        self, base: Mapping[str, Places], kinds: Sequence[str], one_by_one: Sequence[str], last: Sequence[str] = ()
+    ) -> dict[str, Places]:
         """``base`` and those of ``kinds`` that make the error much smaller, the best first.
 
-        Of the kinds that come ``one_by_one`` single elements are taken in.
+        Of the kinds that come ``one_by_one`` single elements are taken in. Those that come ``last`` must be much better
+        than any other.
         """
         chosen = dict(base)
         error = self.error(chosen)
@@ -132,8 +135,9 @@ class Selection:
                     if rest.size:
                         more = self.best_of(rest, tried) if name in one_by_one else rest
                         tried = {**tried, name: np.concatenate([has, more])}
-                        options.append((self.error(tried), tried))
-            best = min(options, key=lambda option: option[0], default=(np.inf, chosen))
-            if best[0] > WORTHWHILE * error:
+                        handicap = 1.0 / WORTHWHILE if name in last else 1.0
+                        options.append((handicap * self.error(tried), tried))
+            best, grown = min(options, key=lambda option: option[0], default=(np.inf, chosen))
+            if best > WORTHWHILE * error:
                 return chosen
-            error, chosen = best
+            error, chosen = self.error(grown), grown

@@ -474,14 +474,18 @@ def _overstretched(evidence: Evidence, best: Hypothesis, features: dict[str, flo
     It is believed where the gap is as large as such errors make, and beside an effect without which much is left.
     """
     if best.terms:
-        return best.scale == max(evidence.scales) and features["over_null"] < NEEDED * evidence.effective
+        return _needs_largest_errors(evidence, best) and features["over_null"] < NEEDED * evidence.effective
     return _is_too_far_off(evidence, best)
+
+
+def _needs_largest_errors(evidence: Evidence, hypothesis: Hypothesis) -> bool:
+    """Whether smaller errors than a tenth of the simulator's parameters do clearly worse beside a hypothesis."""
+    largest = max(evidence.scales)
+    smaller = max(score for scale, score in hypothesis.by_scale.items() if scale[1] < largest[1])
+    return hypothesis.scale == largest and hypothesis.by_scale[largest] - smaller > CLEARLY_WORSE * evidence.effective
 
 
 def _is_too_far_off(evidence: Evidence, blank: Hypothesis) -> bool:
     """Whether errors of a tenth would be needed to make a gap that is smaller than such errors make."""
-    largest = max(evidence.scales)
-    made = 0.5 * largest[1] * float(np.std(evidence.scene.signals.y_sim))
-    smaller = max(score for scale, score in blank.by_scale.items() if scale[1] < largest[1])
-    worse = blank.by_scale[largest] - smaller > CLEARLY_WORSE * evidence.effective
-    return blank.scale == largest and worse and float(np.std(evidence.gap)) < made
+    made = 0.5 * max(evidence.scales)[1] * float(np.std(evidence.scene.signals.y_sim))
+    return _needs_largest_errors(evidence, blank) and float(np.std(evidence.gap)) < made
