@@ -185,6 +185,11 @@ def _checked_further(given: Any) -> dict[str, Any]:
             raise InputError(
                 f"parameter further: sizes of {kind!r} must not be negative, and the first of each positive"
             )
+        for place, (low, high) in KINDS[kind].between.items():
+            if np.any((sizes[:, place] <= low) | (sizes[:, place] >= high)):
+                raise InputError(
+                    f"parameter further: size {place + 1} of {kind!r} must be above {low:g} and below {high:g}"
+                )
         weights = parameter_array("weights", elements["weights"], (sizes.shape[0],))
         checked[kind] = {"sizes": sizes.tolist(), "weights": weights.tolist()}
     return checked

@@ -7,7 +7,7 @@ loops that bend with the place.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
@@ -92,12 +92,15 @@ class Kind:
         ``sizes(extent) -> (k, m)`` of the elements to choose from; of those with memory the first is a length, rad.
     columns : callable
         ``columns(motion, sizes) -> (n, k)``, the torque of each for a weight of one.
+    between : mapping of int to (float, float)
+        Between which values, themselves left out, a size must lie, by its place; none is negative anyway.
     """
 
     part: str
     one_sign: bool
     sizes: Callable[[Extent], Floats]
     columns: Callable[[Motion, Floats], Floats]
+    between: Mapping[int, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def width(self) -> int:
@@ -193,9 +196,10 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         MEMORY, True,
         lambda extent: np.array([
             (length * extent.reach, frequency / extent.interval, damping)
-            for length in np.geomspace(0.02, 1.0, 9) for frequency in (0.1, 0.3, 0.9) for damping in (0.2, 0.9)
+            for length in np.geomspace(0.02, 1.0, 13) for frequency in (0.1, 0.2, 0.4, 0.8) for damping in (0.3, 0.9)
         ]),
         _by_row(_heavy),
+        {1: (0.0, np.inf), 2: (0.0, 1.0)},
     ),
     "relaxation": Kind(
         RATE, False,

@@ -103,6 +103,26 @@ def saturating(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return (1.0 + e) * x + out
 
 
+def heavy(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Springs to masses with dry and viscous friction, explicit in small steps."""
+    steps = 40
+    out, h = 4.0 * (1.0 + e) * x, INTERVAL / steps
+    fine = np.interp(np.arange((x.size - 1) * steps + 1) * h, time, x)
+    for stiffness, limit, mass, damping in ((9.0, 0.9, 0.001, 0.15), (5.0 * (1.0 + e), 1.3 * (1.0 - e), 0.0015, 0.12)):
+        at, speed, stretch = 0.0, 0.0, np.zeros(fine.size)
+        for i, now in enumerate(fine):
+            stretch[i] = now - at
+            pull = stiffness * stretch[i]
+            if speed == 0.0 and abs(pull) <= limit:
+                continue
+            way = np.sign(speed) if speed else np.sign(pull)
+            speed += h * (pull - way * limit - damping * speed) / mass
+            speed = speed if speed * way > 0.0 else 0.0
+            at += h * speed
+        out = out + stiffness * stretch[::steps]
+    return out
+
+
 JOINTS: dict[str, tuple[Joint, float]] = {
     "kinked": (kinked, 0.005),
     "two sliders": (two_sliders, 0.006),
@@ -111,6 +131,7 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "Stribeck": (stribeck, 0.01),
     "viscoelastic": (viscoelastic, 0.02),
     "saturating": (saturating, 0.02),
+    "heavy": (heavy, 0.01),
 }
 """With the error, as a share of the output, that the emulator may make over a motion that it never saw."""
 
@@ -196,7 +217,7 @@ def test_model_file_keeps_further_elements_and_tells_what_is_wrong_with_them() -
     assert np.std(made(further={}).predict(signals.x) - signals.y_sim) > 0.05 * np.std(signals.y_sim)
     for wrong in (
         3.0, {"rope": {"sizes": [[1.0]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]]}},
-        {"rubber": {"sizes": [[0.0]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]], "weights": [1.0, 2.0]}}, {"kinks": {"sizes": [[0.1, 2.0]], "weights": [1.0]}},
+        {"rubber": {"sizes": [[0.0]], "weights": [1.0]}}, {"heavy sliders": {"sizes": [[0.1, 30.0, 1.0]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]], "weights": [1.0, 2.0]}}, {"kinks": {"sizes": [[0.1, 2.0]], "weights": [1.0]}},
     ):  # fmt: skip
         with pytest.raises(InputError) as told:
             made(further=wrong)

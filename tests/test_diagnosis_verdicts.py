@@ -146,7 +146,41 @@ def _relaxing_branch(time: Floats, x: Floats, constant: float) -> Floats:
     return out
 
 
-@pytest.mark.parametrize("seed", [11034, 11041, 11111])
+@pytest.mark.parametrize(
+    ("phases", "presliding", "level", "stops", "stiffness", "offset"),
+    [
+        ((2.6, 5.8, 1.7, 0.4), 0.05, 0.5, (0.53, 0.55), 6.0, 0.5),
+        ((5.7, 0.4, 4.2, 3.0), 0.05, 2.0, (0.37, 0.37), 24.0, 0.25),
+    ],
+)
+def test_stops_in_mid_stroke_and_an_offset_are_found_together(
+    phases: tuple[float, ...],
+    presliding: float,
+    level: float,
+    stops: tuple[float, float],
+    stiffness: float,
+    offset: float,
+) -> None:
+    """Neither does well alone, so that a refitted simulator led the search astray."""
+    time = np.arange(0.0, 20.0, 0.005)
+    waves = zip((0.5, 0.35, 0.25, 0.15), (0.21, 0.47, 0.83, 1.3), phases, strict=True)
+    x = sum(size * np.sin(2.0 * np.pi * rate * time + phase) for size, rate, phase in waves) * (
+        1.0 - np.exp(-time / 0.5)
+    )
+    x = np.asarray(x - x[0])
+    friction = np.zeros_like(x)
+    for i in range(1, x.size):
+        towards = np.sign(x[i] - x[i - 1])
+        friction[i] = towards + (friction[i - 1] - towards) * np.exp(-abs(x[i] - x[i - 1]) / presliding)
+    base = 6.0 * x + level * friction
+    up, down = (share * np.max(np.abs(x)) for share in stops)
+    gap = stiffness * (np.maximum(x - up, 0.0) ** 1.5 - np.maximum(-x - down, 0.0) ** 1.5) + offset
+    noise = 0.1 * np.std(gap) * np.random.default_rng(2).standard_normal(x.size)
+    found = diagnose(Signals(time, x, base + gap + noise, base, [slice(0, x.size)], {}))
+    assert set(found.verdict) == {"end_stop", "torque_offset"}
+
+
+@pytest.mark.parametrize("seed", [11034, 11111])
 def test_two_effects_keep_their_laws_beside_an_exact_simulator(seed: int) -> None:
     """A refitted simulator led them to other laws, so that they were left out in favour of what imitates them."""
     case, found = developed(seed)

@@ -62,8 +62,8 @@ class TorqueSaturation(Effect):
         top = float(np.max(np.abs(scene.torque)))
         if top == 0.0:
             return []
-        # Where all strokes are alike, a limit that is a little too low already does more harm than good.
-        grid = [(f * top,) for f in np.linspace(0.38, 0.98, 25)]
+        # Where dry friction makes the loop's edges flat, a limit just below them takes much off.
+        grid = [(f * top,) for f in (0.4, 0.5, 0.6, 0.68, 0.75, 0.81, 0.87, 0.92, 0.96, 0.98)]
         wide = [(f * top,) for f in (0.6, 0.8, 1.0, 1.3, 1.7, 2.5, 4.0)]
         unit = ("_unit",), (1.0,), (1.0,)
         within = (0.2 * top, 0.99 * top)
