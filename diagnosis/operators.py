@@ -87,6 +87,44 @@ def _yielding(x, level, length, out):
 
 
 @njit(cache=True)
+def _lowpass(time, u, tau, out):
+    state = u[0]
+    out[0] = state
+    for i in range(1, u.size):
+        q = (time[i] - time[i - 1]) / tau
+        decay = np.exp(-q)
+        # Exact for an input that is linear between samples.
+        ramp = (1.0 - decay) / q
+        state = decay * state + (ramp - decay) * u[i - 1] + (1.0 - ramp) * u[i]
+        out[i] = state
+
+
+@njit(cache=True)
+def _rung_down(off, drift, frequency, damping, ringing, decay, c, s):
+    # How far off and how fast a free resonator is one step later: over the step it decays and turns by cosine and sine.
+    swing = (drift + damping * frequency * off) / ringing
+    speed = (swing * ringing - damping * frequency * off) * c - (off * ringing + damping * frequency * swing) * s
+    return decay * (off * c + swing * s), decay * speed
+
+
+@njit(cache=True)
+def _resonated(time, u, frequency, damping, out):
+    ringing = frequency * np.sqrt(1.0 - damping * damping)
+    place, speed = u[0], 0.0
+    out[0] = place
+    for i in range(1, u.size):
+        dt = time[i] - time[i - 1]
+        rate = (u[i] - u[i - 1]) / dt
+        # Exact for an input that is linear between samples: what is left beside following it late rings down.
+        late = 2.0 * damping / frequency * rate
+        off, drift = place - u[i - 1] + late, speed - rate
+        decay, c, s = np.exp(-damping * frequency * dt), np.cos(ringing * dt), np.sin(ringing * dt)
+        off, drift = _rung_down(off, drift, frequency, damping, ringing, decay, c, s)
+        place, speed = u[i] - late + off, rate + drift
+        out[i] = place
+
+
+@njit(cache=True)
 def _heavy(time, x, level, frequency, damping, out):
     ringing = frequency * np.sqrt(1.0 - damping * damping)
     place, speed, way = 0.0, 0.0, 0.0
@@ -107,48 +145,12 @@ def _heavy(time, x, level, frequency, damping, out):
             rate = (x[i] - x[i - 1]) / dt
             late = 2.0 * damping / frequency * rate
             off, drift = place - (x[i - 1] - way * level) + late, speed - rate
-            swing = (drift + damping * frequency * off) / ringing
-            place = x[i] - way * level - late + decay * (off * c + swing * s)
-            speed = rate + decay * (
-                (swing * ringing - damping * frequency * off) * c - (off * ringing + damping * frequency * swing) * s
-            )
+            off, drift = _rung_down(off, drift, frequency, damping, ringing, decay, c, s)
+            place, speed = x[i] - way * level - late + off, rate + drift
             if speed * way <= 0.0:
                 # It turns between two samples; where it holds is off by less than it moved there.
                 speed, way = 0.0, 0.0
         out[i] = x[i] - place
-
-
-@njit(cache=True)
-def _lowpass(time, u, tau, out):
-    state = u[0]
-    out[0] = state
-    for i in range(1, u.size):
-        q = (time[i] - time[i - 1]) / tau
-        decay = np.exp(-q)
-        # Exact for an input that is linear between samples.
-        ramp = (1.0 - decay) / q
-        state = decay * state + (ramp - decay) * u[i - 1] + (1.0 - ramp) * u[i]
-        out[i] = state
-
-
-@njit(cache=True)
-def _resonated(time, u, frequency, damping, out):
-    ringing = frequency * np.sqrt(1.0 - damping * damping)
-    place, speed = u[0], 0.0
-    out[0] = place
-    for i in range(1, u.size):
-        dt = time[i] - time[i - 1]
-        rate = (u[i] - u[i - 1]) / dt
-        # Exact for an input that is linear between samples: what is left beside following it late rings down.
-        late = 2.0 * damping / frequency * rate
-        off, drift = place - u[i - 1] + late, speed - rate
-        decay, c, s = np.exp(-damping * frequency * dt), np.cos(ringing * dt), np.sin(ringing * dt)
-        swing = (drift + damping * frequency * off) / ringing
-        place = u[i] - late + decay * (off * c + swing * s)
-        speed = rate + decay * (
-            (swing * ringing - damping * frequency * off) * c - (off * ringing + damping * frequency * swing) * s
-        )
-        out[i] = place
 
 
 @njit(cache=True)

@@ -23,7 +23,7 @@ INHERITED = 3
 HOPEFUL = 0.005
 """Evidence a sample that a further effect must bring for still another to be looked for."""
 GROWN, PAIRS = 4, 3
-"""Effects from which pairs grow beside an exact simulator where the likeliest pair is beside a refitted one, and such pairs."""
+"""Sets from whose effects pairs grow beside an exact simulator where the likeliest pair is beside a refitted one, and such pairs."""
 IN_COMPANY = 6
 """Steps of refinement of effects beside others."""
 LAWS, EXACT_LAWS = 2, 1
@@ -268,14 +268,14 @@ def _beside_exact(library: Library) -> list[tuple[Hypothesis, tuple[int, ...]]]:
 def _pairs_beside_exact(
     library: Library, exact: dict[frozenset[str], Hypothesis]
 ) -> list[tuple[Hypothesis, tuple[int, ...]]]:
-    """The pairs that do best beside an exact simulator, grown from the effects that alone do best there, and refined there.
+    """The pairs that do best beside an exact simulator, grown from each effect of the sets that do best there, and refined there.
 
     Where one effect alone leaves much, a refitted simulator takes a part of both, and other effects come out ahead.
     """
     evidence = library.evidence
-    singles = [evidence.fit(hypothesis.terms, evidence.exact) for hypothesis in exact.values()]
-    singles = sorted(singles, key=lambda h: -h.score)[:GROWN]
-    bases = library.add([term for single in singles for term in single.terms])
+    sets = [evidence.fit(hypothesis.terms, evidence.exact) for hypothesis in exact.values()]
+    sets = sorted(sets, key=lambda h: -h.score)[:GROWN]
+    bases = library.add([term for hypothesis in sets for term in hypothesis.terms])
     ranked = sorted(
         (item for base in bases for item in library.extend((base,), evidence.exact)), key=lambda item: -item[0]
     )
