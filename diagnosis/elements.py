@@ -1,7 +1,7 @@
 """Further elements of the emulator: for simulators that stops, bristles, a polynomial and rates do not emulate.
 
 Each kind is one that simulators of joints are made of: springs with kinks, rubber, smooth yielding, masses, viscoelasticity,
-loops that bend with the place.
+friction behind a dashpot or a lag, loops that bend with the place.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.bouc_wen import BoucWen
-from .operators import heavy, hyperbolic, lowpass, plays, rms, yielding
+from .operators import heavy, hyperbolic, leaky, lowpass, plays, rms, yielding
 
 __all__ = [
     "ELASTIC",
@@ -94,6 +94,8 @@ class Kind:
         ``columns(motion, sizes) -> (n, k)``, the torque of each for a weight of one.
     between : mapping of int to (float, float)
         Between which values, themselves left out, a size must lie, by its place; none is negative anyway.
+    timed : bool
+        Whether it is left out where a recording has no clock. Speed is there in any case: it tells the direction.
     """
 
     part: str
@@ -101,6 +103,7 @@ class Kind:
     sizes: Callable[[Extent], Floats]
     columns: Callable[[Motion, Floats], Floats]
     between: Mapping[int, tuple[float, float]] = field(default_factory=dict)
+    timed: bool = False
 
     @property
     def width(self) -> int:
@@ -142,6 +145,23 @@ def _smooth(motion: Motion, length: float, exponent: float, share: float) -> Flo
 
 def _lag(motion: Motion, constant: float) -> Floats:
     return np.concatenate([lowpass(motion.time[run], motion.x[run], constant) - motion.x[run] for run in motion.runs])
+
+
+def _leaky(motion: Motion, level: float, constant: float) -> Floats:
+    """A spring in series with a dashpot and a slider."""
+    return motion.from_rest(lambda x, time: leaky(time, x, level, constant), motion.time)
+
+
+def _lagging(motion: Motion, sizes: Floats) -> Floats:
+    """What stops change by when each lags behind by a time constant."""
+    thresholds, which = np.unique(sizes[:, 0], return_inverse=True)
+    stops = motion.x[:, None] - np.concatenate([plays(motion.x[run], thresholds) for run in motion.runs])
+    columns = np.empty((motion.x.size, len(sizes)))
+    for k, constant in enumerate(sizes[:, 1]):
+        stop = stops[:, which[k]]
+        for run in motion.runs:
+            columns[run, k] = lowpass(motion.time[run], stop[run], constant) - stop[run]
+    return columns
 
 
 def _heavy(motion: Motion, level: float, frequency: float, damping: float) -> Floats:
@@ -205,6 +225,28 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         RATE, False,
         lambda extent: np.geomspace(4.0 * extent.interval, extent.duration / 3.0, 7)[:, None],
         _by_row(_lag),
+    ),
+    # A Maxwell arm whose slider gives way, as in dampers of magnetorheological fluid: Spencer et al. (J. Eng. Mech. 123, 1997).
+    "leaky sliders": Kind(
+        MEMORY, True,
+        lambda extent: _with(
+            extent.reach * np.geomspace(0.02, 1.2, 8),
+            *((constant,) for constant in np.geomspace(3.0 * extent.interval, extent.duration / 10.0, 6)),
+        ),
+        _by_row(_leaky),
+        {1: (0.0, np.inf)},
+        timed=True,
+    ),
+    # Torque that is told late.
+    "lagging stops": Kind(
+        MEMORY, False,
+        lambda extent: _with(
+            extent.reach * np.geomspace(0.02, 0.8, 6),
+            *((constant,) for constant in np.geomspace(3.0 * extent.interval, extent.duration / 20.0, 5)),
+        ),
+        _lagging,
+        {1: (0.0, np.inf)},
+        timed=True,
     ),
     "curved plays": Kind(
         MEMORY, False,

@@ -291,18 +291,19 @@ class Generalised:
         elastic, stops, placed = self._parts(_thresholds(self.reach, FINER))
         duration = max(float(signals.time[run][-1] - signals.time[run][0]) for run in signals.runs)
         extent = Extent(self.reach, self.fast, signals.interval, duration)
-        sizes = {name: kind.sizes(extent) for name, kind in KINDS.items()}
+        kinds = {name: kind for name, kind in KINDS.items() if signals.timed or not kind.timed}
+        sizes = {name: kind.sizes(extent) for name, kind in kinds.items()}
         some = spread(signals.x.size)
         others = np.hstack([placed, self._rates()])[some]
         elements = {STOPS: self.sign * stops[some], ELASTIC: elastic[some], "others": others} | {
             name: (self.sign if kind.one_sign else 1.0) * kind.columns(self.motion, sizes[name])[some]
-            for name, kind in KINDS.items()
+            for name, kind in kinds.items()
         }
-        of_one_sign = [STOPS, *(name for name, kind in KINDS.items() if kind.one_sign)]
+        of_one_sign = [STOPS, *(name for name, kind in kinds.items() if kind.one_sign)]
         selection = Selection(elements, signals.y_sim[some], of_one_sign)
         few = np.concatenate([np.arange(0, FINER, _spacing(FINER)), np.arange(FINER, stops.shape[1])])
         base = {STOPS: selection.places[STOPS][few]} | {name: selection.places[name] for name in (ELASTIC, "others")}
-        chosen = selection.grow(base, [STOPS, *KINDS], [KINKS], [HEAVY])
+        chosen = selection.grow(base, [STOPS, *kinds], [KINKS], [HEAVY])
         finer = chosen.pop(STOPS).size > few.size
         del chosen[ELASTIC], chosen["others"]
         return FINER if finer else ELEMENTS, {

@@ -11,6 +11,7 @@ __all__ = [
     "free_flight",
     "heavy",
     "hyperbolic",
+    "leaky",
     "lowpass",
     "plays",
     "resonated",
@@ -20,6 +21,8 @@ __all__ = [
 ]
 
 Floats = NDArray[np.float64]
+SAME_STEP = 1e-9
+"""Relative difference of two intervals that is only rounding of the times."""
 
 
 @njit(cache=True)
@@ -88,14 +91,17 @@ def _yielding(x, level, length, out):
 
 @njit(cache=True)
 def _lowpass(time, u, tau, out):
-    state = u[0]
+    state, step = u[0], 0.0
+    decay, before, now = 1.0, 0.0, 0.0
     out[0] = state
     for i in range(1, u.size):
-        q = (time[i] - time[i - 1]) / tau
-        decay = np.exp(-q)
-        # Exact for an input that is linear between samples.
-        ramp = (1.0 - decay) / q
-        state = decay * state + (ramp - decay) * u[i - 1] + (1.0 - ramp) * u[i]
+        dt = time[i] - time[i - 1]
+        if abs(dt - step) > SAME_STEP * step:
+            # Exact for an input that is linear between samples.
+            step, decay = dt, np.exp(-dt / tau)
+            ramp = (1.0 - decay) * tau / dt
+            before, now = ramp - decay, 1.0 - ramp
+        state = decay * state + before * u[i - 1] + now * u[i]
         out[i] = state
 
 
@@ -151,6 +157,21 @@ def _heavy(time, x, level, frequency, damping, out):
                 # It turns between two samples; where it holds is off by less than it moved there.
                 speed, way = 0.0, 0.0
         out[i] = x[i] - place
+
+
+@njit(cache=True)
+def _leaky(time, x, level, tau, out):
+    f, step, decay, gain = 0.0, 0.0, 1.0, 1.0
+    out[0] = 0.0
+    for i in range(1, x.size):
+        dt = time[i] - time[i - 1]
+        if abs(dt - step) > SAME_STEP * step:
+            # Exact for an input that is linear between samples, until the slider gives way.
+            step = dt
+            decay = np.exp(-dt / tau)
+            gain = (1.0 - decay) * tau / dt if dt > 0.0 else 1.0
+        f = min(max(decay * f + gain * (x[i] - x[i - 1]), -level), level)
+        out[i] = f
 
 
 @njit(cache=True)
@@ -261,6 +282,16 @@ def heavy(time: Floats, x: Floats, level: float, frequency: float, damping: floa
     """
     out = np.empty(x.size)
     _heavy(np.ascontiguousarray(time), np.ascontiguousarray(x), float(level), float(frequency), float(damping), out)
+    return out
+
+
+def leaky(time: Floats, x: Floats, level: float, tau: float) -> Floats:
+    """Stretch of a spring in series with a slider and a dashpot over ``x`` (n,) from rest, shape (n,).
+
+    The slider holds until the stretch is at ``level``; the dashpot lets it go with the time constant ``tau`` (s).
+    """
+    out = np.empty(x.size)
+    _leaky(np.ascontiguousarray(time), np.ascontiguousarray(x), float(level), float(tau), out)
     return out
 
 

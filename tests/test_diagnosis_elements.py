@@ -123,6 +123,31 @@ def heavy(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return out
 
 
+def damper(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Spencer's damper of magnetorheological fluid: a smooth loop in series with a dashpot, explicit in small steps."""
+    steps, behind, hysteretic, out = 40, 5.0 * (1.0 - e), 0.0, np.zeros(x.size)
+    h = INTERVAL / steps
+    for i in range(1, x.size):
+        speed = (x[i] - x[i - 1]) / INTERVAL
+        for _ in range(steps):
+            inner = (12.0 * (1.0 + e) * hysteretic + 0.2 * speed) / (0.2 + behind)
+            slip, share = speed - inner, hysteretic / 0.08
+            hysteretic += h * (slip - 0.5 * slip * share**2 - 0.5 * abs(slip) * share * abs(share))
+        out[i] = behind * inner
+    return 3.0 * (1.0 - e) * x + out
+
+
+def lagging(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Sliders whose torque is told late, each by its own time."""
+    out = 3.0 * (1.0 + e) * x
+    for stiffness, limit, constant in ((6.0, 0.12, 0.15), (3.0 * (1.0 - e), 0.3, 0.4 * (1.0 + e))):
+        late, told = sliders(x, ((stiffness, limit),)), 0.0
+        for i in range(1, x.size):
+            told += (late[i] - told) * (1.0 - np.exp(-INTERVAL / constant))
+            out[i] += told
+    return out
+
+
 JOINTS: dict[str, tuple[Joint, float]] = {
     "kinked": (kinked, 0.005),
     "two sliders": (two_sliders, 0.006),
@@ -132,6 +157,8 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "viscoelastic": (viscoelastic, 0.02),
     "saturating": (saturating, 0.02),
     "heavy": (heavy, 0.01),
+    "damper": (damper, 0.01),
+    "lagging": (lagging, 0.01),
 }
 """With the error, as a share of the output, that the emulator may make over a motion that it never saw."""
 
@@ -217,7 +244,7 @@ def test_model_file_keeps_further_elements_and_tells_what_is_wrong_with_them() -
     assert np.std(made(further={}).predict(signals.x) - signals.y_sim) > 0.05 * np.std(signals.y_sim)
     for wrong in (
         3.0, {"rope": {"sizes": [[1.0]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]]}},
-        {"rubber": {"sizes": [[0.0]], "weights": [1.0]}}, {"heavy sliders": {"sizes": [[0.1, 30.0, 1.0]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]], "weights": [1.0, 2.0]}}, {"kinks": {"sizes": [[0.1, 2.0]], "weights": [1.0]}},
+        {"rubber": {"sizes": [[0.0]], "weights": [1.0]}}, {"heavy sliders": {"sizes": [[0.1, 30.0, 1.0]], "weights": [1.0]}}, {"leaky sliders": {"sizes": [[0.1, 0.0]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]], "weights": [1.0, 2.0]}}, {"kinks": {"sizes": [[0.1, 2.0]], "weights": [1.0]}},
     ):  # fmt: skip
         with pytest.raises(InputError) as told:
             made(further=wrong)
