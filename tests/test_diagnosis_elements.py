@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -219,6 +220,13 @@ def test_kinks_belong_to_the_spring_and_have_no_torque_at_rest() -> None:
     bent = np.diff(spring_of(emulator.split, x))
     assert spring_of(emulator.split, x)[2] == pytest.approx(0.0, abs=1e-12)
     assert bent[[0, 3]] / 0.5 == pytest.approx(bent[[1, 2]] / 0.3 + 7.0 * 0.28 / 0.5, rel=0.1)
+
+
+@pytest.mark.parametrize(("joint", "kind"), [(damper, "leaky sliders"), (lagging, "lagging stops")])
+def test_without_a_clock_nothing_is_said_of_how_long_things_take(joint: Joint, kind: str) -> None:
+    signals = recorded(joint)
+    assert kind in Generalised(signals).further
+    assert kind not in Generalised(replace(signals, timed=False)).further
 
 
 def test_hyperbolic_friction_is_half_way_after_its_length_and_does_not_know_time() -> None:
