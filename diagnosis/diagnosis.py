@@ -76,13 +76,18 @@ class Diagnosis:
     emulator: str
     emulator_error: float
     choice: Choice
-    evidence: Evidence
+    library: Library
+    """What every effect makes by itself, and how that goes with the gap; closed."""
     waterfall: list[tuple[str, float]]
     """RMS after each step: nothing, then the verdict's effects in the order of their size."""
     seed: int
     excluded: list[str]
     next_recording: dict[str, Any] | None = None
     notes: list[str] = field(default_factory=list)
+
+    @property
+    def evidence(self) -> Evidence:
+        return self.library.evidence
 
     @cached_property
     def parameter_intervals(self) -> dict[str, dict[str, tuple[float, float] | None]]:
@@ -202,15 +207,15 @@ def diagnose(
     if fitted:
         emulator = refitted_beside(signals, model, emulator, effects)
     scene = SimulatorScene(signals, emulator)
-    evidence, found, choice = _explain(Evidence(scene, fitted=fitted), effects)
+    library, found, choice = _explain(Evidence(scene, fitted=fitted), effects)
     calm = False
     if not fitted and np.mean(signals.knocks) > FEW and (choice.verdict == [UNKNOWN] or len(_named(choice)) > 1):
         # What knocks may have asked for more than there is, or have hidden what there is.
         again = _explain(Evidence(scene, signals.judged & ~signals.knocks, fitted=fitted), effects)
         if _is_better(signals, again[2], choice, seed):
-            evidence, found, choice = again
+            library, found, choice = again
             calm = True
-    floor = signals.noise_floor
+    evidence, floor = library.evidence, signals.noise_floor
 
     blank = next(h for h in found if not h.terms)
     recalibrated = held_out(evidence, evidence.fit((), (max(blank.by_scale, key=lambda s: blank.by_scale[s]),)), 0)
@@ -257,7 +262,7 @@ def diagnose(
         emulator=emulator.name,
         emulator_error=emulator.error,
         choice=choice,
-        evidence=evidence,
+        library=library,
         waterfall=_waterfall(signals, choice, named),
         seed=seed,
         excluded=sorted(exclude),
@@ -265,9 +270,11 @@ def diagnose(
     )
 
 
-def _explain(evidence: Evidence, effects: Sequence[Effect]) -> tuple[Evidence, list[Hypothesis], Choice]:
-    found = search(Library(evidence, effects))
-    return evidence, found, choose(evidence, found)
+def _explain(evidence: Evidence, effects: Sequence[Effect]) -> tuple[Library, list[Hypothesis], Choice]:
+    library = Library(evidence, effects)
+    found = search(library)
+    library.close()
+    return library, found, choose(evidence, found)
 
 
 def _named(choice: Choice) -> list[str]:

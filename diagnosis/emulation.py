@@ -344,9 +344,9 @@ class Generalised:
         speed, acceleration = signals.speed, signals.acceleration
         if np.any(change):
             # The change is far smoother than the measured input, so it may be differentiated as it is.
-            added = signals.per_run(lambda run: np.gradient(change[run], signals.time[run]))
+            added = signals.slope(change)
             speed = speed + added
-            acceleration = acceleration + signals.per_run(lambda run: np.gradient(added[run], signals.time[run]))
+            acceleration = acceleration + signals.slope(added)
         return predict_generalised(self.parameters(), Motion(signals.time, x, speed, acceleration, signals.runs))
 
     def anew(self, x: Floats) -> Floats:
@@ -454,8 +454,9 @@ def predict_generalised(parameters: Mapping[str, Any], motion: Motion) -> Floats
     # Summed as they come: the columns that an identification needs are never made.
     y += np.concatenate([weighed(x[run], u[run], thresholds, stops, placed, lengths, signs) for run in motion.runs])
     y += torque_of(parameters.get("further", {}), motion)
-    rates = _rates(motion.speed, motion.acceleration, float(parameters["fast"]))
-    return np.asarray(y + rates @ parameters["rates"])
+    if np.any(parameters["rates"]):
+        y += _rates(motion.speed, motion.acceleration, float(parameters["fast"])) @ parameters["rates"]
+    return np.asarray(y)
 
 
 def spring_of(parameters: Mapping[str, Any], x: Floats) -> Floats:

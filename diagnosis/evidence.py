@@ -160,30 +160,32 @@ def boxed_least_squares(gram: Floats, moment: Floats, lower: Floats, upper: Floa
     if k == 1:
         single = np.clip(moment / np.maximum(gram[:, 0], 1e-300), lower, upper)
         return single, np.asarray((2.0 * moment * single - gram[:, 0] * single**2)[:, 0])
-    norm = np.sqrt(np.maximum(np.einsum("mii->mi", gram), 1e-300))
+    norm = np.sqrt(np.maximum(np.diagonal(gram, axis1=1, axis2=2), 1e-300))
     scaled = gram / (norm[:, :, None] * norm[:, None, :]) + 1e-9 * np.eye(k)
     wanted = moment / norm
     low, high = lower * norm, upper * norm
-    held = np.broadcast_to(lower == upper, (m, k)).copy()
-    value = np.where(held, np.where(np.isfinite(low), low, 0.0), 0.0)
+    held = np.repeat((lower == upper)[None], m, axis=0)
+    value = np.where(held & np.isfinite(low), low, 0.0)
+    system, right = scaled, wanted
     # Clamp what leaves the box and solve again; each round clamps at least one more unknown, so k rounds end it.
     for _ in range(k + 1):
-        system = np.where(held[:, :, None] | held[:, None, :], 0.0, scaled)
-        system[:, np.arange(k), np.arange(k)] = np.where(held, 1.0, np.einsum("mii->mi", scaled))
-        right = np.where(held, value, wanted - np.einsum("mij,mj->mi", scaled, np.where(held, value, 0.0)))
+        if held.any():
+            known = np.where(held, value, 0.0)
+            system = np.where(held[:, :, None] | held[:, None, :], 0.0, scaled)
+            system[:, np.arange(k), np.arange(k)] = np.where(held, 1.0, np.diagonal(scaled, axis1=1, axis2=2))
+            right = np.where(held, value, wanted - (scaled @ known[:, :, None])[:, :, 0])
         found = np.linalg.solve(system, right[:, :, None])[:, :, 0]
         outside = ~held & ((found < low) | (found > high))
-        if not outside.any():
-            break
-        worst = np.zeros_like(outside)
-        excess = np.where(outside, np.maximum(low - found, found - high), -1.0)
         rows = np.flatnonzero(outside.any(axis=1))
-        worst[rows, np.argmax(excess[rows], axis=1)] = True
-        value = np.where(worst, np.clip(found, low, high), value)
-        held |= worst
+        if rows.size == 0:
+            break
+        excess = np.where(outside[rows], np.maximum(low[rows] - found[rows], found[rows] - high[rows]), -1.0)
+        worst = np.argmax(excess, axis=1)
+        value[rows, worst] = np.clip(found, low, high)[rows, worst]
+        held[rows, worst] = True
     found = np.where(held, value, found)
     beta = found / norm
-    reduction = 2.0 * np.einsum("mi,mi->m", moment, beta) - np.einsum("mi,mij,mj->m", beta, gram, beta)
+    reduction = np.sum(beta * (2.0 * moment - (gram @ beta[:, :, None])[:, :, 0]), axis=1)
     return beta, reduction
 
 
@@ -225,14 +227,19 @@ class Evidence:
         self._to_basis = right[kept].T / singular[kept]
         factor = singular[kept, None] * right[kept]
         split = structure.shape[1]
+        self._gap_in_basis = self._basis.T @ self.gap
+        self.gap_energy = float(self.gap @ self.gap)
         self._modes: dict[Scale, tuple[Floats, Floats, float]] = {}
+        self._gap_modes: dict[Scale, tuple[Floats, float]] = {}
+        """What the refit absorbs of the gap by tangent modes, and the energy that it leaves."""
         for scale in self.scales:
             weighed = np.hstack([scale[0] * factor[:, :split], scale[1] * factor[:, split:]]) / self.sigma
             ratio, rotation = np.linalg.eigh(weighed @ weighed.T)
             ratio = np.maximum(ratio, 0.0)
-            self._modes[scale] = ratio / (1.0 + ratio), rotation, 0.5 * float(np.sum(np.log1p(self.thinning * ratio)))
-        self._gap_in_basis = self._basis.T @ self.gap
-        self.gap_energy = float(self.gap @ self.gap)
+            absorbed = ratio / (1.0 + ratio)
+            self._modes[scale] = absorbed, rotation, 0.5 * float(np.sum(np.log1p(self.thinning * ratio)))
+            turned = rotation.T @ self._gap_in_basis
+            self._gap_modes[scale] = absorbed * turned, self.gap_energy - float(turned @ (absorbed * turned))
         self._parts: dict[bytes, Evidence] = {}
         self.inadequacy = (INADEQUACY**2) * max(self.gap_energy / self.gap.size - self.sigma**2, 0.0)
 
@@ -293,21 +300,18 @@ class Evidence:
         freedom = self.complexity(scale) - self.plausibility[scale]
         return -0.5 * effective * np.log(misfit) - freedom - 0.5 * unknowns * np.log(max(effective, 3.0))
 
-    def reduced(
-        self, gram: Floats, moment: Floats, energy: float, inside: Floats, scale: Scale
-    ) -> tuple[Floats, Floats, float]:
+    def reduced(self, gram: Floats, moment: Floats, inside: Floats, scale: Scale) -> tuple[Floats, Floats, float]:
         """Whitened Φ'V⁻¹Φ, Φ'V⁻¹r and r'V⁻¹r from the plain products and Φ's tangent components ``inside``."""
         absorbed, rotation = self.shrink(scale)
-        turned, gap = rotation.T @ inside, rotation.T @ self._gap_in_basis
-        return (
-            gram - turned.T @ (absorbed[:, None] * turned),
-            moment - turned.T @ (absorbed * gap),
-            energy - float(gap @ (absorbed * gap)),
-        )
+        gap, energy = self._gap_modes[scale]
+        turned = rotation.T @ inside
+        return gram - turned.T @ (absorbed[:, None] * turned), moment - turned.T @ gap, energy
 
     def whitened(self, series: Floats, scale: Scale) -> Floats:
         """V^(−1/2) applied to ``series`` (n,)."""
         absorbed, rotation = self.shrink(scale)
+        if not np.any(absorbed):
+            return series
         root = 1.0 - np.sqrt(1.0 - absorbed)
         return series - self._basis @ (rotation @ (root * (rotation.T @ (self._basis.T @ series))))
 
@@ -337,7 +341,7 @@ class Evidence:
 
         def beside_each(columns: Floats) -> list[Hypothesis]:
             chosen = columns if self._whole else columns[self.rows]
-            products = chosen.T @ chosen, chosen.T @ self.gap, self.gap_energy, self.inside(chosen)
+            products = chosen.T @ chosen, chosen.T @ self.gap, self.inside(chosen)
             grams, moments, energies = zip(*(self.reduced(*products, scale) for scale in tried), strict=True)
             beta, reduction = boxed_least_squares(np.array(grams), np.array(moments), lower, upper)
             rss = np.maximum(np.array(energies) - reduction, 1e-12 * self.gap_energy)

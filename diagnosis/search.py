@@ -66,7 +66,11 @@ class Library:
                     self._laws.append(numbers)
                     key = (tuple(form.lower), tuple(form.upper), len(form.shapes))
                     self._alike.setdefault(key, []).extend(numbers)
+        self.candidates = len(self.terms)
+        """How many terms there were before sets grew: what one effect, law and starting shape makes by itself."""
         matrix = np.hstack(made)
+        self.sums: Floats = matrix.sum(axis=0)
+        """Of each column of these, shape (k,)."""
         self._blocks = [matrix]
         self._gram = matrix.T @ matrix
         self._moment = matrix.T @ evidence.gap
@@ -96,16 +100,16 @@ class Library:
         self._by_scale.clear()
         return tuple(numbers)
 
-    @property
-    def columns(self) -> Floats:
-        """The columns of all terms, shape (n, k); a term's are at its slice in ``slices``."""
-        return np.hstack(self._blocks)
+    def close(self) -> None:
+        """Let go of the columns, which take most memory; their products stay, and no term can be taken in any more."""
+        self._blocks.clear()
+        self._by_scale.clear()
 
     def moments(self, scale: Scale) -> tuple[Floats, Floats, float]:
         """Whitened Gram matrix, moments and energy at a scale of parameter errors."""
         if scale not in self._by_scale:
             e = self.evidence
-            self._by_scale[scale] = e.reduced(self._gram, self._moment, e.gap_energy, self._inside, scale)
+            self._by_scale[scale] = e.reduced(self._gram, self._moment, self._inside, scale)
         return self._by_scale[scale]
 
     def extend(

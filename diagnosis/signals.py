@@ -16,7 +16,7 @@ from scipy.ndimage import binary_dilation, median_filter
 from scipy.signal import savgol_coeffs, savgol_filter
 
 from ..models.motion import directions, noise_level, turning_points
-from .operators import bristle, lowpass, plays, resonated, rms
+from .operators import SAME_STEP, bristle, lowpass, plays, resonated, rms
 
 __all__ = ["COORDINATES", "Signals", "differentiate"]
 
@@ -228,6 +228,22 @@ class Signals:
     def per_run(self, compute: Callable[[slice], Floats]) -> Floats:
         """``compute`` applied to each recording, joined to shape (n,) or (n, k)."""
         return np.concatenate([compute(run) for run in self.runs])
+
+    @cached_property
+    def _spacings(self) -> list[float | Floats]:
+        """Of each recording: its one interval, where there is only one, else its times."""
+        clocks = [self.time[run] for run in self.runs]
+        steps = [np.diff(clock) for clock in clocks]
+        return [
+            float(step[0]) if np.ptp(step) < SAME_STEP * step[0] else clock
+            for step, clock in zip(steps, clocks, strict=True)
+        ]
+
+    def slope(self, series: Floats) -> Floats:
+        """Derivative of a smooth ``series`` by time, shape (n,)."""
+        return np.concatenate([
+            np.gradient(series[run], spacing) for run, spacing in zip(self.runs, self._spacings, strict=True)
+        ])
 
     def bristle(self, length: float) -> Floats:
         """Direction that builds up over ``length`` rad after a turn, shape (n,)."""

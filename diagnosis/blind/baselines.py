@@ -11,15 +11,20 @@ from ..search import Library
 
 __all__ = ["by_correlation", "by_fit"]
 
+CONSTANT = 1e-10
+"""Share of a signal's energy about its mean up to which it is a constant."""
+
 
 def by_correlation(library: Library) -> str:
     """The effect one of whose signals correlates most with the gap."""
-    gap, columns = library.evidence.gap, library.columns
+    gap, sums = library.evidence.gap, library.sums
+    gram, moment, energy = library.moments((0.0, 0.0))
+    squares, moment = np.diagonal(gram)[: sums.size], moment[: sums.size]
     # A constant correlates with nothing once the mean is out, so it is compared about zero.
-    varies = np.ptp(columns, axis=0) > 0.0
-    about = columns - np.where(varies, columns.mean(axis=0), 0.0)
-    moments = np.where(varies, (gap - gap.mean()) @ about, gap @ about)
-    sizes = np.linalg.norm(about, axis=0) * np.where(varies, np.linalg.norm(gap - gap.mean()), np.linalg.norm(gap))
+    about = squares - sums**2 / gap.size
+    varies = about > CONSTANT * squares
+    moments = moment - np.where(varies, gap.mean() * sums, 0.0)
+    sizes = np.sqrt(np.where(varies, about * gap.size * gap.var(), squares * energy))
     correlations = np.abs(moments) / np.maximum(sizes, 1e-300)
 
     def largest(term: Term, columns: slice) -> float:
@@ -43,4 +48,5 @@ def by_fit(library: Library) -> str:
 
 def _best(library: Library, worth: Callable[[Term, slice], float]) -> str:
     """The effect of the term that is worth most, by it and its columns."""
-    return max(zip(library.terms, library.slices, strict=True), key=lambda one: worth(*one))[0].effect.id
+    candidates = zip(library.terms[: library.candidates], library.slices, strict=False)
+    return max(candidates, key=lambda one: worth(*one))[0].effect.id

@@ -20,11 +20,10 @@ from rich.progress import Progress
 from ...datasets.recording_files import DEFAULT_TIME, DEFAULT_X, DEFAULT_Y, write_recording
 from ...errors import InputError
 from ...files import replacing, write_text
-from ..diagnosis import Diagnosis, diagnose, known_effects
+from ..diagnosis import Diagnosis, diagnose
 from ..excitation import design_next
 from ..heldout import closed_share
 from ..inputs import read_inputs
-from ..search import Library
 from .baselines import by_correlation, by_fit
 from .carry_over import found_closed, named_effects, predicted_closed, signal_on
 from .cases import SINE, TEST_PLANTS, USUAL, available, bank, group, outside_of, quick_part
@@ -206,7 +205,6 @@ def diagnose_blind(out: Path, task: Mapping[str, Any]) -> tuple[dict[str, Any], 
     began = time.perf_counter()
     found = diagnose(signals, exclude=task["exclude"])
     seconds = time.perf_counter() - began
-    library = Library(found.evidence, known_effects(task["exclude"]))
     return {
         "id": task["id"],
         "verdict": found.verdict,
@@ -214,8 +212,8 @@ def diagnose_blind(out: Path, task: Mapping[str, Any]) -> tuple[dict[str, Any], 
         "ambiguous": found.ambiguous,
         "closed": closed_share(signals.gap, signals.gap - found.choice.held.signal, found.noise_floor, found.seed)[1],
         "where": found.places[0].coordinate if found.places else "",
-        "baseline_fit": by_fit(library),
-        "baseline_correlation": by_correlation(library),
+        "baseline_fit": by_fit(found.library),
+        "baseline_correlation": by_correlation(found.library),
         "seconds": seconds,
     }, found
 
