@@ -241,9 +241,9 @@ class Signals:
 
     def slope(self, series: Floats) -> Floats:
         """Derivative of a smooth ``series`` by time, shape (n,)."""
-        return np.concatenate([
-            np.gradient(series[run], spacing) for run, spacing in zip(self.runs, self._spacings, strict=True)
-        ])
+        return np.concatenate(
+            [np.gradient(series[run], spacing) for run, spacing in zip(self.runs, self._spacings, strict=True)]
+        )
 
     def bristle(self, length: float) -> Floats:
         """Direction that builds up over ``length`` rad after a turn, shape (n,)."""
