@@ -63,7 +63,7 @@ PLACINGS = 4
 """Steps in which kinks are moved to their places."""
 RATES_NEEDED = 1.1
 """Error without the rate terms, over that with them, from which they are needed."""
-EMULATED = 0.004
+EMULATED = 0.001
 """Error, as a share of the output, from which further elements are looked for."""
 PLACES = 4
 """Ways in which an element's torque may depend on where it is."""

@@ -43,6 +43,8 @@ FINEST = 0.035
 """Misfit, as a share of the gap's RMS, that counts as much as noise of that size."""
 FINE = 0.02
 """Relative error of the simulator's fine structure that is no miscalibration: no two models agree better."""
+NOTICEABLE = 0.1
+"""Noise levels, over the whole recording, by which the largest errors must move a direction for it to be looked at."""
 TRUSTED = 6000.0
 """Samples beyond which evidence does not grow."""
 ENOUGH = 2500
@@ -220,11 +222,14 @@ class Evidence:
             # Noise far below the gap makes any misfit significant, and no two models agree that well.
             self.sigma = max(self.sigma, FINEST * rms(scene.signals.gap))
         structure, bulk = scene.emulator.structure[self.rows], scene.emulator.bulk[self.rows]
-        left, singular, right = np.linalg.svd(np.hstack([structure, bulk]), full_matrices=False)
-        kept = singular > 1e-5 * max(float(singular[0]), 1e-300)
+        # In units of the noise, for the largest errors: directions that even these move by less are the noise's.
+        largest = np.max(self.scales, axis=0)
+        weights = np.repeat(largest / self.sigma, [structure.shape[1], bulk.shape[1]])
+        left, singular, right = np.linalg.svd(np.hstack([structure, bulk]) * weights, full_matrices=False)
+        kept = singular > max(NOTICEABLE, 1e-5 * float(singular[0]))
         self._basis = left[:, kept]
         # The same combinations of tangents on every sample, those that this fit does not see included.
-        self._to_basis = right[kept].T / singular[kept]
+        self._to_basis = weights[:, None] * (right[kept].T / singular[kept])
         factor = singular[kept, None] * right[kept]
         split = structure.shape[1]
         self._gap_in_basis = self._basis.T @ self.gap
@@ -233,7 +238,8 @@ class Evidence:
         self._gap_modes: dict[Scale, tuple[Floats, float]] = {}
         """What the refit absorbs of the gap by tangent modes, and the energy that it leaves."""
         for scale in self.scales:
-            weighed = np.hstack([scale[0] * factor[:, :split], scale[1] * factor[:, split:]]) / self.sigma
+            share = np.asarray(scale) / largest
+            weighed = np.hstack([share[0] * factor[:, :split], share[1] * factor[:, split:]])
             ratio, rotation = np.linalg.eigh(weighed @ weighed.T)
             ratio = np.maximum(ratio, 0.0)
             absorbed = ratio / (1.0 + ratio)

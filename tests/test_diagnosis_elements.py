@@ -149,6 +149,11 @@ def lagging(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return out
 
 
+def hardly_yielding(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Mostly a spring: whatever emulates the loop badly is still less than a hundredth of the torque."""
+    return 4.0 * (1.0 + e) * x + 0.3 * smooth_yielding(time, x, e)
+
+
 JOINTS: dict[str, tuple[Joint, float]] = {
     "kinked": (kinked, 0.005),
     "two sliders": (two_sliders, 0.006),
@@ -159,6 +164,7 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "saturating": (saturating, 0.02),
     "heavy": (heavy, 0.01),
     "damper": (damper, 0.01),
+    "hardly yielding": (hardly_yielding, 0.001),
     "lagging": (lagging, 0.01),
 }
 """With the error, as a share of the output, that the emulator may make over a motion that it never saw."""

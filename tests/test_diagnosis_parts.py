@@ -59,6 +59,27 @@ def test_a_set_is_fitted_beside_an_exact_simulator_as_if_there_were_no_other() -
         assert among_all.by_scale[scale] >= evidence.fit(terms, (scale,)).score - 1.0
 
 
+def test_evidence_beside_a_simulator_that_is_off_is_that_of_normal_errors_of_its_parameters() -> None:
+    time = np.arange(1500) * 0.02
+    x = np.sin(1.9 * time) * (0.6 + 0.3 * np.sin(0.3 * time)) + 0.2 * np.sin(5.2 * time)
+
+    def joint(e: float) -> np.ndarray:
+        return 4.0 * (1.0 + e) * x + 2.0 * (x - plays(x, np.array([0.1 * (1.0 - e)]))[:, 0])
+
+    real = joint(0.05) + 0.02 * np.random.default_rng(1).standard_normal(x.size)
+    recorded = Signals(time, x, real, joint(0.0), [slice(0, x.size)], {})
+    emulator = emulate(recorded, None)
+    evidence = Evidence(SimulatorScene(recorded, emulator))
+    for scale in evidence.scales:
+        tangents = np.hstack([scale[0] * emulator.structure, scale[1] * emulator.bulk]) / evidence.sigma
+        covariance = np.eye(x.size) + tangents @ tangents.T
+        assert evidence.complexity(scale) == pytest.approx(0.5 * np.linalg.slogdet(covariance)[1], abs=0.1)
+        left = recorded.gap @ np.linalg.solve(covariance, recorded.gap)
+        assert evidence.fit((), (scale,)).rss == pytest.approx(left, rel=1e-3)
+        white = evidence.whitened(recorded.gap, scale)
+        assert white @ white == pytest.approx(left, rel=1e-3)
+
+
 def test_operators_match_their_definitions() -> None:
     x = np.cumsum(np.random.default_rng(2).standard_normal(200)) * 0.1
     at = 0.0
