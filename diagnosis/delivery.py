@@ -67,6 +67,9 @@ def sentence(found: Diagnosis) -> str:
         return f"The gap of {found.rmse:.3g} {found.signals.unit} is the torque sensor's: it counts in steps of {step} {sure}."
     if found.choice.hum > 0.0:
         return f"The gap of {found.rmse:.3g} {found.signals.unit} is a hum at {found.choice.hum:.3g} Hz, no effect of the joint {sure}."
+    if found.verdict == [UNKNOWN] and found.choice.spikes > 0.0:
+        stand_out = f"spikes in {100.0 * found.choice.spikes:.2g} % of the samples"
+        return f"The gap of {found.rmse:.3g} {found.signals.unit} is {stand_out}, no effect of the joint {sure}."
     if found.verdict == [UNKNOWN]:
         return f"The gap of {found.rmse:.3g} {found.signals.unit} is real, but no effect that is known here explains it {sure}."
     titles = {report.name: report.name.replace("_", " ") for report in found.effects}

@@ -239,6 +239,12 @@ def diagnose(
         notes.append(
             f"the gap hums at {choice.hum:.3g} Hz, or at a frequency that the sampling folds there: shield or filter it"
         )
+    if choice.spikes > 0.0:
+        most = np.max(np.abs(signals.gap[signals.judged]))
+        notes.append(
+            f"{100.0 * choice.spikes:.2g} % of the samples stand out of the noise, by up to {most:.3g} {signals.unit}: look for"
+            " lost samples, a loose contact or interference"
+        )
     if choice.torque_step > 0.0:
         notes.append(
             f"the recorded torque comes in steps of {choice.torque_step:.3g} {signals.unit}: they are the gap; record it finer"

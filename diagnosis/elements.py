@@ -96,6 +96,8 @@ class Kind:
         Between which values, themselves left out, a size must lie, by its place; none is negative anyway.
     timed : bool
         Whether it is left out where a recording has no clock. Speed is there in any case: it tells the direction.
+    together : callable, optional
+        ``together(motion, sizes, weights) -> (n,)``, the torque of all, where that takes less than to make each.
     """
 
     part: str
@@ -104,6 +106,11 @@ class Kind:
     columns: Callable[[Motion, Floats], Floats]
     between: Mapping[int, tuple[float, float]] = field(default_factory=dict)
     timed: bool = False
+    together: Callable[[Motion, Floats, Floats], Floats] | None = None
+
+    def torque(self, motion: Motion, sizes: Floats, weights: Floats) -> Floats:
+        """Torque of all elements of these sizes and weights, N·m, shape (n,)."""
+        return self.together(motion, sizes, weights) if self.together else self.columns(motion, sizes) @ weights
 
     @property
     def width(self) -> int:
@@ -152,16 +159,34 @@ def _leaky(motion: Motion, level: float, constant: float) -> Floats:
     return motion.from_rest(lambda x, time: leaky(time, x, level, constant), motion.time)
 
 
+def _plays(motion: Motion, half_widths: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """Plays (n, k) of the different ones of so many half widths, and which of them each is."""
+    different, which = np.unique(half_widths, return_inverse=True)
+    return np.concatenate([plays(motion.x[run], different) for run in motion.runs]), which
+
+
 def _lagging(motion: Motion, sizes: Floats) -> Floats:
     """What stops change by when each lags behind by a time constant."""
-    thresholds, which = np.unique(sizes[:, 0], return_inverse=True)
-    stops = motion.x[:, None] - np.concatenate([plays(motion.x[run], thresholds) for run in motion.runs])
+    played, which = _plays(motion, sizes[:, 0])
+    stops = motion.x[:, None] - played
     columns = np.empty((motion.x.size, len(sizes)))
     for k, constant in enumerate(sizes[:, 1]):
         stop = stops[:, which[k]]
         for run in motion.runs:
             columns[run, k] = lowpass(motion.time[run], stop[run], constant) - stop[run]
     return columns
+
+
+def _lagging_together(motion: Motion, sizes: Floats, weights: Floats) -> Floats:
+    """Stops with the same time constant lag as one."""
+    played, which = _plays(motion, sizes[:, 0])
+    total = np.zeros(motion.x.size)
+    for constant in np.unique(sizes[:, 1]):
+        shared = np.bincount(which, weights * (sizes[:, 1] == constant), played.shape[1])
+        stop = motion.x * shared.sum() - played @ shared
+        for run in motion.runs:
+            total[run] += lowpass(motion.time[run], stop[run], constant) - stop[run]
+    return total
 
 
 def _heavy(motion: Motion, level: float, frequency: float, damping: float) -> Floats:
@@ -171,9 +196,23 @@ def _heavy(motion: Motion, level: float, frequency: float, damping: float) -> Fl
 
 def _curved(motion: Motion, sizes: Floats) -> Floats:
     """Products of powers of plays and of the deflection."""
-    thresholds, which = np.unique(sizes[:, 0], return_inverse=True)
-    played = np.concatenate([plays(motion.x[run], thresholds) for run in motion.runs])[:, which]
-    return np.asarray(played ** sizes[:, 1] * motion.x[:, None] ** sizes[:, 2])
+    played, which = _plays(motion, sizes[:, 0])
+    return np.asarray(played[:, which] ** sizes[:, 1] * motion.x[:, None] ** sizes[:, 2])
+
+
+def _curved_together(motion: Motion, sizes: Floats, weights: Floats) -> Floats:
+    """Plays with the same powers are multiplied as one."""
+    played, which = _plays(motion, sizes[:, 0])
+    total = np.zeros(motion.x.size)
+    for powers in np.unique(sizes[:, 1:], axis=0):
+        shared = np.bincount(which, weights * np.all(sizes[:, 1:] == powers, axis=1), played.shape[1])
+        total += _power(played, powers[0]) @ shared * _power(motion.x, powers[1])
+    return total
+
+
+def _power(base: Floats, exponent: float) -> Floats:
+    # Products take far less than powers.
+    return np.asarray(np.prod([base] * int(exponent), axis=0) if exponent in (1.0, 2.0, 3.0) else base**exponent)
 
 
 def _with(lengths: Floats, *others: tuple[float, ...]) -> Floats:
@@ -247,6 +286,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         _lagging,
         {1: (0.0, np.inf)},
         timed=True,
+        together=_lagging_together,
     ),
     "curved plays": Kind(
         MEMORY, False,
@@ -254,6 +294,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
             extent.reach * np.geomspace(0.009, 0.55, 6), (2.0, 0.0), (3.0, 0.0), (1.0, 2.0), (2.0, 1.0)
         ),
         _curved,
+        together=_curved_together,
     ),
 })  # fmt: skip
 
@@ -263,7 +304,7 @@ def torque_of(further: Further, motion: Motion, part: str | None = None) -> Floa
     total = np.zeros(motion.x.size)
     for kind, sizes, weights in _made(further):
         if part in (None, kind.part):
-            total += kind.columns(motion, sizes) @ weights
+            total += kind.torque(motion, sizes, weights)
     return total
 
 

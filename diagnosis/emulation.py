@@ -451,7 +451,10 @@ def predict_generalised(parameters: Mapping[str, Any], motion: Motion) -> Floats
     placed[:, _placed(thresholds.size)] = np.reshape(parameters["placed"], (PLACES, -1))
     stops, signs = weights[: thresholds.size], weights[thresholds.size :]
     y = np.polynomial.legendre.legval(u, parameters["elastic"])
-    # Summed as they come: the columns that an identification needs are never made.
+    # Summed as they come: the columns that an identification needs are never made, and most have no weight.
+    stopping, bristling = (stops != 0.0) | np.any(placed != 0.0, axis=0), signs != 0.0
+    thresholds, stops, placed = thresholds[stopping], stops[stopping], np.ascontiguousarray(placed[:, stopping])
+    lengths, signs = lengths[bristling], signs[bristling]
     y += np.concatenate([weighed(x[run], u[run], thresholds, stops, placed, lengths, signs) for run in motion.runs])
     y += torque_of(parameters.get("further", {}), motion)
     if np.any(parameters["rates"]):

@@ -17,6 +17,7 @@ from .operators import rms
 from .parsimony import fewest, hardly_worse, simplest, special_cases
 from .quantisation import torque_step
 from .signals import Signals
+from .spikes import OUTLIERS, spikes
 
 __all__ = ["MISCALIBRATION", "SAME_BY_EYE", "TEMPERATURE", "UNKNOWN", "Choice", "choose", "effective_share"]
 
@@ -112,6 +113,8 @@ class Choice:
     """Step in which the recorded torque comes, N·m, where it makes up the gap; 0 otherwise."""
     hum: float = 0.0
     """Frequency of a hum that makes up the gap, Hz; 0 otherwise."""
+    spikes: float = 0.0
+    """Share of the samples that stand out and make up the gap; 0 otherwise."""
 
 
 def _prior(evidence: Evidence, hypothesis: Hypothesis, gap: float) -> float:
@@ -244,12 +247,14 @@ def _stated(
         verdict, stated = [UNKNOWN], 1.0 - stated
     step = torque_step(signals) if verdict == [] else 0.0
     frequency = hum(signals) if verdict == [] else 0.0
-    if step > 0.0 or frequency > 0.0:
+    standing_out = spikes(signals) if verdict == [] else 0.0
+    if step > 0.0 or frequency > 0.0 or standing_out > OUTLIERS:
         # They pass for noise, but a finer or better shielded sensor would close them.
         verdict = [UNKNOWN]
     return Choice(
         verdict, stated, best, held, miscalibrated, left / gap_power, features,
         posterior, odds, list(ranked), _recalibration_rivals(evidence, verdict, best, own, found, tempered), step, frequency,
+        standing_out,
     )  # fmt: skip
 
 

@@ -172,6 +172,38 @@ def test_noise_does_not_hum(seed: int) -> None:
     assert hum(Signals(TIME, X, joint(X) + smooth, joint(X), [slice(0, X.size)], {})) == 0.0
 
 
+# ---- spikes ------------------------------------------------------------------------------------------------------------
+
+
+def spiked(share: float) -> Floats:
+    rng = np.random.default_rng(8)
+    struck = rng.choice(X.size, max(int(share * X.size), 1), replace=False)
+    y = joint(X)
+    y[struck] += rng.choice([-1.0, 1.0], struck.size) * rng.uniform(0.5, 3.0, struck.size)
+    return y
+
+
+def test_spikes_are_told_and_are_no_noise() -> None:
+    found = diagnosed(spiked(0.02))
+    assert found.verdict == ["unknown"]
+    assert found.choice.spikes == pytest.approx(0.02, rel=0.1)
+    assert "spikes in 2 % of the samples" in sentence(found)
+
+
+def test_one_outlier_is_noted_and_is_no_gap() -> None:
+    found = diagnosed(spiked(0.0))
+    assert found.verdict == []
+    assert any("stand out" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_noise_with_heavy_tails_has_no_spikes(seed: int) -> None:
+    noise = NOISE * np.random.default_rng(seed).standard_t(4, X.size)
+    found = diagnose(Signals(TIME, X, joint(X) + noise, joint(X), [slice(0, X.size)], {}))
+    assert found.verdict == []
+    assert not any("stand out" in note for note in found.notes)
+
+
 # ---- a model file that was fitted --------------------------------------------------------------------------------------
 
 

@@ -1,0 +1,27 @@
+"""Whether what passes for noise are spikes: lost samples, a loose contact, interference."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .operators import rms
+from .signals import Signals
+
+__all__ = ["OUTLIERS", "spikes"]
+
+FAR = 5.0
+"""Noise levels beyond which a sample stands out."""
+LARGE = 2.0
+"""Size of the gap over the noise from which most of its energy is in what stands out."""
+OUTLIERS = 0.002
+"""Share of the samples up to which they are a few outliers of a recording that has no gap otherwise."""
+
+
+def spikes(signals: Signals) -> float:
+    """Share of the samples that stand far out of the noise where they make up most of the gap; 0 otherwise.
+
+    The noise's level is a robust one and what knocks for a moment is cut off, so that spikes pass for noise however
+    large they are.
+    """
+    gap = signals.gap[signals.judged] / signals.noise_floor
+    return float(np.mean(np.abs(gap) > FAR)) if rms(gap) > LARGE else 0.0
