@@ -310,6 +310,8 @@ class Evidence:
         """Whitened Φ'V⁻¹Φ, Φ'V⁻¹r and r'V⁻¹r from the plain products and Φ's tangent components ``inside``."""
         absorbed, rotation = self.shrink(scale)
         gap, energy = self._gap_modes[scale]
+        if not np.any(absorbed):
+            return gram, moment, energy
         turned = rotation.T @ inside
         return gram - turned.T @ (absorbed[:, None] * turned), moment - turned.T @ gap, energy
 

@@ -184,10 +184,10 @@ def spiked(share: float) -> Floats:
 
 
 def test_spikes_are_told_and_are_no_noise() -> None:
-    found = diagnosed(spiked(0.02))
+    found = diagnosed(spiked(0.01))
     assert found.verdict == ["unknown"]
-    assert found.choice.spikes == pytest.approx(0.02, rel=0.1)
-    assert "spikes in 2 % of the samples" in sentence(found)
+    assert found.choice.spikes == pytest.approx(0.01, rel=0.1)
+    assert "spikes in 1 % of the samples" in sentence(found)
 
 
 def test_one_outlier_is_noted_and_is_no_gap() -> None:
