@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import time
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -101,7 +102,12 @@ def check(out: Path, seeds: int = 1, jobs: int | None = None, quick: bool = Fals
 def _progress(what: str, results: Iterable[Any], total: int) -> list[Any]:
     """All results, with a bar on a terminal while they come."""
     console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+    with (
+        Progress(console=console, transient=True, disable=not console.is_terminal) as progress,
+        warnings.catch_warnings(),
+    ):
+        # A worker that has grown is replaced by a fresh one; nothing is lost.
+        warnings.filterwarnings("ignore", message="A worker stopped while some jobs were given")
         return list(progress.track(results, total=total, description=what))
 
 
