@@ -1,4 +1,4 @@
-"""What ``hystbench diagnose`` reads, writes and says."""
+"""What ``hystbench diagnose`` reads and writes."""
 
 from __future__ import annotations
 
@@ -6,16 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import click
-
 from ..errors import InputError
 from ..files import write_text
-from .diagnosis import Diagnosis
 from .from_benchmark import diagnose_as_is_or_fitted
 from .inputs import read_inputs
-from .verdict import MISCALIBRATION, UNKNOWN
+from .wording import summary
 
-__all__ = ["deliver", "sentence"]
+__all__ = ["deliver"]
 
 
 def deliver(
@@ -55,55 +52,3 @@ def deliver(
             return [found.to_json().rstrip("\n")]
         write_text(json_file, found.to_json())
     return [*summary(found, designed=out is not None or json_file is not None), *lines]
-
-
-def sentence(found: Diagnosis) -> str:
-    """The verdict in one sentence."""
-    sure = f"(confidence {100.0 * found.confidence:.0f} %)"
-    if not found.verdict:
-        return f"No gap beyond the noise of {found.noise_floor:.3g} {found.signals.unit} {sure}."
-    if found.choice.torque_step > 0.0:
-        step = f"{found.choice.torque_step:.3g} {found.signals.unit}"
-        return f"The gap of {found.rmse:.3g} {found.signals.unit} is the torque sensor's: it counts in steps of {step} {sure}."
-    if found.choice.hum > 0.0:
-        return f"The gap of {found.rmse:.3g} {found.signals.unit} is a hum at {found.choice.hum:.3g} Hz, no effect of the joint {sure}."
-    if found.verdict == [UNKNOWN] and found.choice.spikes > 0.0:
-        stand_out = f"spikes in {100.0 * found.choice.spikes:.2g} % of the samples"
-        return f"The gap of {found.rmse:.3g} {found.signals.unit} is {stand_out}, no effect of the joint {sure}."
-    if found.verdict == [UNKNOWN]:
-        return f"The gap of {found.rmse:.3g} {found.signals.unit} is real, but no effect that is known here explains it {sure}."
-    titles = {report.name: report.name.replace("_", " ") for report in found.effects}
-    named = [titles.get(name, name) for name in found.verdict if name != MISCALIBRATION]
-    if MISCALIBRATION in found.verdict:
-        named.append("the simulator's own parameters, which are off")
-    cause = named[0] if len(named) == 1 else f"{', '.join(named[:-1])} and {named[-1]}"
-    closed = min(max(found.closed_in_all, 0.0), 1.0)
-    return f"The gap of {found.rmse:.3g} {found.signals.unit} comes from {cause}; adding that closes {100.0 * closed:.0f} % of it {sure}."
-
-
-def summary(found: Diagnosis, designed: bool) -> list[str]:
-    """A few lines for the terminal; ``designed`` if a next recording was looked for."""
-    lines = [sentence(found)]
-    if found.places:
-        lines.append(
-            "where: " + ", ".join(f"{place.coordinate} {100.0 * place.share:.0f} %" for place in found.places[:3])
-        )
-    for report in found.effects:
-        if report.name in found.verdict:
-            low, high = report.closed_interval
-            closes = "closes" if len(found.verdict) == 1 else "by itself closes"
-            lines.append(
-                f"{report.name}: {report.law}, {', '.join(found.told(report))}; "
-                f"{closes} {report.closed:.2f} [{low:.2f}, {high:.2f}], {report.adequacy}"
-            )
-    for pair in found.ambiguous:
-        lines.append(f"this recording cannot tell apart: {' and '.join(pair)}")
-    if found.next_recording:
-        lines.append(f"record next: {found.next_recording['file']} ({found.next_recording['why']})")
-    elif found.ambiguous:
-        lines.append(
-            "record next: no motion within the recorded deflection, speed and acceleration would tell them apart"
-            if designed
-            else "record next: name --out, and the shortest motion that would tell them apart is written there"
-        )
-    return [click.unstyle(line) for line in lines]

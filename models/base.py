@@ -14,17 +14,15 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
 from ..files import write_text
+from .inversion import InverseError, InverseStepper, invert_by_search
 from .stepping import ReplayStepper, Stepper
-
-if TYPE_CHECKING:
-    from .inversion import InverseStepper
 
 __all__ = [
     "Condition",
@@ -42,10 +40,6 @@ SCHEMA = "hystbench/model/1"
 
 LARGEST = 1e30
 """Data whose magnitude or range lies beyond this, or below its inverse, are refused: polynomials of them overflow."""
-
-
-class InverseError(ValueError):
-    """No input gives the wanted output: the message says at which sample and why."""
 
 
 @dataclass(frozen=True)
@@ -198,8 +192,6 @@ class HysteresisModel:
 
     def _invert_run(self, y: Floats, x0: float, approximate: bool) -> Floats:
         """Input over one run; by default a search along the model's own trajectory, sample by sample."""
-        from .inversion import invert_by_search
-
         return invert_by_search(self.stepper(), y, x0, self._input_scale(), approximate)
 
     def _invert_timed(self, y: Floats, time: Floats | None, x0: float, approximate: bool) -> Floats:
@@ -221,8 +213,6 @@ class HysteresisModel:
         Parameters are those of :meth:`invert`; a rate-independent model's inputs agree with it to the search's tolerance
         (1e-9 of the output's size).
         """
-        from .inversion import InverseStepper
-
         return InverseStepper(self.stepper(), float(x0), self._input_scale(), approximate)
 
     # ---- the public contract ---------------------------------------------------------------------------------------

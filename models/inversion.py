@@ -10,10 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from .base import InverseError
 from .stepping import Stepper
 
-__all__ = ["InverseStepper", "invert_by_search"]
+__all__ = ["InverseError", "InverseStepper", "invert_by_search"]
+
+
+class InverseError(ValueError):
+    """No input gives the wanted output: the message says at which sample and why."""
+
 
 # The search leaves the training range by at most this factor: beyond it a model only extrapolates.
 REACH = 4.0

@@ -14,8 +14,8 @@ from matplotlib.collections import LineCollection
 
 from .. import __version__
 from ..diagnosis.attribution import profile
-from ..diagnosis.delivery import sentence
 from ..diagnosis.diagnosis import Diagnosis
+from ..diagnosis.wording import sentence
 from ..files import write_text
 from .svg import COLOURS, INK, MEASURED, STYLE
 from .svg import canvas as _figure

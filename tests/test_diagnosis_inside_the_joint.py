@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter, lsim
 
 from hystbench import models
-from hystbench.diagnosis.delivery import deliver, sentence
+from hystbench.diagnosis.delivery import deliver
 from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
 from hystbench.diagnosis.emulation import Generalised, SimulatorScene, emulate, motion_of, spring_of, strength_of
 from hystbench.diagnosis.hum import hum
 from hystbench.diagnosis.signals import Signals
+from hystbench.diagnosis.wording import sentence
 
 Floats = NDArray[np.float64]
 NOISE = 0.012

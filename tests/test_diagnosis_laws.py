@@ -10,12 +10,12 @@ from joints import clearance, sliders, through_a_clearance
 from numpy.typing import NDArray
 
 from hystbench.diagnosis import registry
-from hystbench.diagnosis.delivery import sentence
 from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
 from hystbench.diagnosis.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.operators import bristle, free_flight, yielding
 from hystbench.diagnosis.quantisation import torque_step
 from hystbench.diagnosis.signals import Signals
+from hystbench.diagnosis.wording import sentence
 
 Floats = NDArray[np.float64]
 NOISE = 0.012

@@ -7,7 +7,7 @@ import io
 import json
 from collections.abc import Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -15,41 +15,24 @@ from rich.console import Console
 
 from ...errors import InputError
 from ...files import write_text
-from ...models import Condition
-from .appendix_a import EquationCheck, StiffnessCheck, equation_checks, stiffness_checks
-from .audit import AuditRow, audit
+from .appendix_a import equation_checks, stiffness_checks
+from .audit import audit
 from .expectation import expectation
 from .figures import FIGURES, save
-from .fits import Fits, fit_models
+from .fits import fit_models
 from .page import Drawn, render_page
 from .parallel import DEFAULT_JOBS
 from .passivity import (
-    LoopIntegral,
-    Objective,
     choi_conditions_of_published_loop,
     example_choi,
     integrals,
     objectives,
 )
-from .sensitivity import Ranking, sensitivity
-from .tables import Compared, table_1, table_2, table_3, table_4_and_5
+from .results import Results
+from .sensitivity import sensitivity
+from .tables import table_1, table_2, table_3, table_4_and_5
 
-__all__ = ["Results", "collect", "write", "write_paper"]
-
-
-@dataclass(frozen=True)
-class Results:
-    """Everything recomputed from the two papers."""
-
-    fits: Fits
-    tables: list[Compared]
-    audit: list[AuditRow]
-    equations: list[EquationCheck]
-    stiffness: list[StiffnessCheck]
-    conditions: dict[str, list[Condition]]
-    objectives: list[Objective]
-    integrals: list[LoopIntegral]
-    sensitivity: list[Ranking]
+__all__ = ["collect", "write", "write_paper"]
 
 
 def collect(names: Sequence[str] | None = None, seeds: Sequence[int] = (0, 1, 2), jobs: int = DEFAULT_JOBS) -> Results:

@@ -5,12 +5,10 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...errors import InputError
-
-if TYPE_CHECKING:
-    from .build import Results
+from .results import Results
 
 __all__ = ["compare_with_expectation", "expectation", "read_expectation"]
 

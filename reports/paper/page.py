@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ... import __version__
 from ..tables import Cell, Table, number
@@ -19,9 +19,7 @@ from .dimensions import EQUATIONS
 from .figures import UNDETERMINED, PaperFigure
 from .fits import PAPER_MODELS
 from .printed import PAPERS
-
-if TYPE_CHECKING:
-    from .build import Results
+from .results import Results
 
 __all__ = ["Drawn", "render_page"]
 
