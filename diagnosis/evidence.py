@@ -443,6 +443,6 @@ def effect_columns(scene: SimulatorScene, terms: Sequence[Term], guess: Floats |
 
 
 def count_unknowns(terms: Sequence[Term]) -> int:
-    """Free coefficients and shapes."""
+    """Free coefficients and shapes, and what unlikely laws are charged for besides."""
     free = sum(lo != up for term in terms for lo, up in zip(term.form.lower, term.form.upper, strict=True))
-    return free + sum(len(term.shape) for term in terms)
+    return free + sum(len(term.shape) + term.form.unlikely for term in terms)

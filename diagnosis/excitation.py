@@ -15,15 +15,15 @@ from .diagnosis import Diagnosis
 from .emulation import SimulatorScene, emulate
 from .evidence import Evidence, Hypothesis, is_refitted, trusted
 from .signals import Signals
-from .verdict import MISCALIBRATION, SAME_BY_EYE, TEMPERATURE
+from .verdict import MISCALIBRATION, SAME_BY_EYE, TEMPERATURE, effective_share
 
 __all__ = ["Limits", "candidate_motions", "design_next", "margins", "motion"]
 
 Floats = NDArray[np.float64]
 SETTLED = 4.6
 """Logarithm of the tempered odds (100 to 1) at which a pair counts as told apart."""
-CLEARLY = 1.5
-"""Margin over what two recordings together must bring for a pair not to be stated again."""
+CLEARLY = 0.5
+"""So much more than two recordings together must bring for a pair not to be stated again is asked for where it can be had."""
 LONGER = 0.1
 """By so much of a pair a longer motion must tell more."""
 MOST_SAMPLES = 6000
@@ -93,11 +93,14 @@ def candidate_motions(limits: Limits) -> Iterator[tuple[str, Floats, Floats]]:
     home = [(middle, 0.5, 0.0)]
     idle = [(middle, 0.5, 8.0)]
     first = ladder((1.0,), (0.6, 0.6))
+    stands = [(place, 0.9, 2.0) for place in (up, middle, down, middle)]
     for told, moves in (
         ("two amplitudes at a high and a low rate", rates + home),
         ("fast moves with holds", holds + home),
         ("two rates and amplitudes, then holds", rates + holds + home),
+        ("holds at both ends and in the middle", stands * 2),
         ("four amplitudes at four rates", many + home),
+        ("holds at both ends and in the middle, many times", stands * 10),
         (
             "four amplitudes at four rates with holds, and the first cycles again after a pause",
             first + many + holds + idle + first + home,
@@ -134,7 +137,8 @@ def design_next(found: Diagnosis, target: Path) -> dict[str, Any] | None:
 def margins(found: Diagnosis, time: Floats, x: Floats) -> list[float]:
     """How well the motion would tell each ambiguous pair apart, whichever of the two were the truth.
 
-    Not at all up to 0; beyond 1 the new recording and the old ones together would not leave the pair stated again.
+    At 0 it is as likely as not that the new recording and the old ones together leave the pair stated again; beyond 1 they
+    clearly would not.
     """
     together = found.signals.x.size + x.size
     share = trusted(together) / together
@@ -145,14 +149,16 @@ def margins(found: Diagnosis, time: Floats, x: Floats) -> list[float]:
     y_sim = found.evidence.scene.emulator.anew(x)
     blank = Signals(time, x, y_sim, y_sim, [slice(0, x.size)], _as_recorded(found.signals, time))
     scene = SimulatorScene(blank, emulate(blank, None))
-    enough = SETTLED / TEMPERATURE
-    certain = max(CLEARLY * SAME_BY_EYE * trusted(together), enough + 1.0)
+    # As much as the two recordings together must bring for the pair not to be stated again; what the verdict leaves now
+    # will be as correlated then.
+    share_left = effective_share(found.evidence.left_over(found.choice.hypothesis), found.signals.runs)
+    enough = max(SETTLED / (TEMPERATURE * share_left), SAME_BY_EYE * trusted(together))
     made = []
     for pair in found.ambiguous:
         orders = [(true, false) for true, false in (pair, pair[::-1]) if true != MISCALIBRATION]
         # Beside the first recording each sample of the new one counts as much as each of its own.
         brought = share * min(_brought(found, scene, true, false) for true, false in orders)
-        made.append((brought - enough) / (certain - enough))
+        made.append((brought / enough - 1.0) / CLEARLY)
     return made
 
 

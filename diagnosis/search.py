@@ -64,7 +64,7 @@ class Library:
                     start += columns.shape[1]
                 if numbers:
                     self._laws.append(numbers)
-                    key = (tuple(form.lower), tuple(form.upper), len(form.shapes))
+                    key = (tuple(form.lower), tuple(form.upper), len(form.shapes), form.unlikely)
                     self._alike.setdefault(key, []).extend(numbers)
         self.candidates = len(self.terms)
         """How many terms there were before sets grew: what one effect, law and starting shape makes by itself."""
@@ -314,6 +314,13 @@ def _with_shapes_of_larger(
                     _note_exact(exact, fewer)
                 if fewer.names in best and fewer.score > best[fewer.names].score:
                     best[fewer.names] = evidence.refine(fewer)
+                if hypothesis is larger[0] and fewer.names in best:
+                    # What is dropped may only have made up for the law of another.
+                    own = max(fewer, best[fewer.names], key=lambda h: h.score)
+                    for better in _siblings(evidence, own, 2):
+                        _note_exact(exact, better)
+                        if better.score > best[fewer.names].score:
+                            best[fewer.names] = better
     return sorted(best.values(), key=lambda h: (len(h.terms), -h.score))
 
 
@@ -339,7 +346,7 @@ def _with_law(fitted: Hypothesis, k: int, form: Form, shape: Sequence[float]) ->
     return terms
 
 
-def _siblings(evidence: Evidence, fitted: Hypothesis) -> list[Hypothesis]:
+def _siblings(evidence: Evidence, fitted: Hypothesis, tried: int = 1) -> list[Hypothesis]:
     """The same effects with the law of one replaced by the best of those with the same shape parameters.
 
     The starting values of a law are few; where another law has ended it may be better than at all of them. One
@@ -349,7 +356,7 @@ def _siblings(evidence: Evidence, fitted: Hypothesis) -> list[Hypothesis]:
     for k in range(len(fitted.terms)):
         best = fitted
         for _ in range(STEPS):
-            other = _best_sibling(evidence, best, k)
+            other = _best_sibling(evidence, best, k, tried)
             if other is None or other.score <= best.score:
                 break
             made.append(other)
@@ -357,17 +364,20 @@ def _siblings(evidence: Evidence, fitted: Hypothesis) -> list[Hypothesis]:
     return made
 
 
-def _best_sibling(evidence: Evidence, fitted: Hypothesis, k: int) -> Hypothesis | None:
-    """The best law of the ``k``-th effect with the same shape parameters, refined; None if all are far behind."""
+def _best_sibling(evidence: Evidence, fitted: Hypothesis, k: int, tried: int) -> Hypothesis | None:
+    """The best of the laws of the ``k``-th effect with the same shape parameters; None if all are far behind.
+
+    The ``tried`` best of them are refined.
+    """
     term, others = fitted.terms[k], []
     for form in term.effect.forms(evidence.scene) if term.shape else ():
         if form.shapes != term.form.shapes or form.name == term.form.name:
             continue
         others.append(evidence.fit(_with_law(fitted, k, form, term.shape)))
-    best = max(others, key=lambda hypothesis: hypothesis.score, default=None)
-    if best is None or best.score < fitted.score - AT_FIRST * evidence.effective:
-        return None
-    return evidence.refine_anyhow(best.terms, IN_COMPANY)
+    near = [other for other in others if other.score >= fitted.score - AT_FIRST * evidence.effective]
+    near = sorted(near, key=lambda hypothesis: -hypothesis.score)[:tried]
+    refined = (evidence.refine_anyhow(other.terms, IN_COMPANY) for other in near)
+    return max(refined, key=lambda hypothesis: hypothesis.score, default=None)
 
 
 def _other_laws(library: Library, fitted: Hypothesis) -> list[Hypothesis]:

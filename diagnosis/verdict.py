@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 MISCALIBRATION, UNKNOWN = "miscalibration", "unknown"
 TEMPERATURE = 0.25
 """Share of the evidence that is trusted when alternatives are weighed: laws are never exact."""
-SAME_BY_EYE = 0.008
+SAME_BY_EYE = 0.003
 """Evidence a sample that a slightly different law could reverse: such alternatives are stated as ambiguous."""
 SAME_WHERE_POOR = 0.04
 """The same where all half cycles are alike."""
@@ -339,7 +339,8 @@ def _weigh(
         elif special_cases(hypothesis) == best.names != hypothesis.names:
             # The more general effect is no other cause.
             against = 0.0
-        elif own - score < near:
+        elif own - score < near or hypothesis.score > best.score:
+            # The latter does better but for what company costs it.
             against = max(against, 0.1)
         odds[hypothesis.names] = max(odds.get(hypothesis.names, 0.0), against)
     return posterior, odds
@@ -424,9 +425,13 @@ def _recalibration_rivals(
             least = min(least, -SAME_WHERE_POOR * evidence.effective)
         return sorted(best.names) if refitted - own > least else []
     if verdict == [MISCALIBRATION]:
-        fixed = [
-            (h, max(s for scale, s in h.by_scale.items() if not is_refitted(scale))) for h in found if len(h.terms) == 1
-        ]
+        exact = [scale for scale in blank.by_scale if not is_refitted(scale)]
+        fixed = []
+        for hypothesis in found:
+            # Where the fine structure is off too, it is the effect that must stand in for the errors, not that structure.
+            own_worth = [h for s, h in hypothesis.by_scale.items() if s in exact and h > blank.by_scale[s] + IDLE]
+            if len(hypothesis.terms) == 1 and own_worth:
+                fixed.append((hypothesis, max(own_worth)))
         return sorted(
             name
             for h, s in fixed

@@ -56,6 +56,34 @@ def test_an_encoder_error_with_an_offset_is_both() -> None:
     assert set(found.verdict) == {"encoder_eccentricity", "deflection_offset"}
 
 
+@pytest.mark.parametrize(
+    ("effect", "parameter", "size"),
+    [("viscous_friction", "damping", 0.08), ("coulomb_friction", "friction", 0.12), ("inertia", "inertia", 0.008)],
+)
+def test_what_the_simulator_has_too_much_of_is_named_with_a_minus(effect: str, parameter: str, size: float) -> None:
+    time, x = motion()
+    speed = np.gradient(x, time)
+    law = {
+        "viscous_friction": speed,
+        "coulomb_friction": np.tanh(speed / 0.05),
+        "inertia": np.gradient(speed, time),
+    }[effect]
+    noise = NOISE * np.random.default_rng(5).standard_normal(x.size)
+    y_sim = joint(x) + size * law
+    found = diagnose(Signals(time, x, joint(x) + noise, y_sim, [slice(0, x.size)], {}))
+    assert found.verdict == [effect]
+    (report,) = (e for e in found.effects if e.name == effect)
+    assert report.parameters[parameter] == pytest.approx(-size, rel=0.05)
+    low, high = found.parameter_intervals[effect][parameter]
+    assert low <= -size <= high
+
+
+def test_sides_whose_torque_is_off_in_opposite_ways_are_one_asymmetry() -> None:
+    _, x = motion()
+    y = joint(x)
+    assert diagnosed(x, y + 0.06 * np.abs(y)).verdict == ["stiffness_asymmetry"]
+
+
 ELEMENTS = ((6.0, 0.12), (2.0, 0.15), (0.8, 0.16))
 
 

@@ -188,6 +188,13 @@ def test_two_effects_keep_their_laws_beside_an_exact_simulator(seed: int) -> Non
     assert set(found.verdict) == set(case.effects)
 
 
+def test_a_law_that_was_chosen_beside_what_is_dropped_is_chosen_again() -> None:
+    """An encoder error whose mean a torque offset hid needed an offset of the deflection besides."""
+    case, found = developed(13055, "slip", "bouc-wen", "varied")
+    assert set(case.effects) == {"encoder_eccentricity", "torque_offset"}
+    assert set(found.verdict) == set(case.effects)
+
+
 def test_an_effect_is_named_though_the_simulators_errors_hide_a_part_of_it() -> None:
     time, x = rich_motion(4000)
     y_real = spring(x) + 0.5 * _relaxing_branch(time, x, 0.5)
@@ -233,6 +240,34 @@ def test_the_next_recording_tells_apart_what_the_same_motion_again_would_not(tmp
     (settled,) = margins(found, planned[DEFAULT_TIME].to_numpy(), planned[DEFAULT_X].to_numpy())
     assert settled > 0.0
     assert np.max(np.abs(planned[DEFAULT_X])) <= np.max(np.abs(x)) * 1.001
+
+
+def test_a_motion_is_promised_only_where_it_settles_the_pair(tmp_path: Path) -> None:
+    """Offsets of the torque and of a nearly linear spring's deflection differ by the spring's curvature."""
+    time, x = rich_motion()
+    pair = ["deflection_offset", "torque_offset"]
+
+    def with_an_offset(x: Floats, hardening: float) -> tuple[Floats, Floats]:
+        y_sim = spring(x, hardening, hardening)
+        return y_sim + 0.06, y_sim
+
+    straight = diagnose(signals_of(time, x, *with_an_offset(x, 0.03)))
+    assert straight.ambiguous == [pair]
+    assert design_next(straight, tmp_path / "none.csv") is None
+
+    found = diagnose(signals_of(time, x, *with_an_offset(x, 0.08)))
+    assert found.ambiguous == [pair]
+    designed = design_next(found, tmp_path / "next.csv")
+    assert designed is not None
+    assert designed["settles"] == [pair]
+    planned = pd.read_csv(tmp_path / "next.csv")
+    more = planned[DEFAULT_X].to_numpy()
+    y_real, y_sim = np.hstack([with_an_offset(x, 0.08), with_an_offset(more, 0.08)])
+    later = time[-1] + 1.0 + planned[DEFAULT_TIME].to_numpy()
+    both = signals_of(np.concatenate([time, later]), np.concatenate([x, more]), y_real, y_sim)
+    settled = diagnose(replace(both, runs=[slice(0, x.size), slice(x.size, both.x.size)]))
+    assert settled.verdict == ["torque_offset"]
+    assert settled.ambiguous == []
 
 
 # ---- models as simulators --------------------------------------------------------------------------------------------

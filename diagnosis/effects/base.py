@@ -115,6 +115,8 @@ class Form:
         Names of simpler forms from whose fits this one starts, in place of a grid of its own.
     start : callable, optional
         ``start(shape, coefficients)`` of that fit gives this form's first shape; by default it is the same.
+    unlikely : int
+        By how many free constants more it is charged: it must bring more than a usual law.
     """
 
     name: str
@@ -127,6 +129,7 @@ class Form:
     limits: Sequence[tuple[float, float]] = ()
     refines: tuple[str, ...] = ()
     start: Callable[[tuple[float, ...], Floats], tuple[float, ...]] | None = None
+    unlikely: int = 0
 
     @property
     def by_ratio(self) -> tuple[bool, ...]:
@@ -162,6 +165,18 @@ class Effect:
 def geometric(low: float, high: float, count: int) -> list[float]:
     """``count`` values from ``low`` to ``high`` in equal ratios; none if the range is empty."""
     return np.geomspace(low, high, count).tolist() if 0.0 < low <= high else []
+
+
+OVERDONE = 3
+"""Free constants by which a law is charged that takes away what a simulator has too much of."""
+
+
+def overdone(form: Form) -> Form:
+    """A law of one sign the other way round: the simulator has what the joint has not."""
+    return replace(
+        form, name=f"{form.name}, overdone in the simulator", lower=[-v for v in form.upper],
+        upper=[-v for v in form.lower], unlikely=OVERDONE,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)

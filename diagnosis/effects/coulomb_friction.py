@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import PRESLIDING, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws
+from .base import PRESLIDING, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws, overdone
 
 __all__ = ["CoulombFriction"]
 
@@ -37,7 +37,7 @@ class CoulombFriction(Effect):
     equation: ClassVar[str] = "y += F (s + q |s|),  s = sgn(v) after presliding"
     coordinate: ClassVar[str] = "direction"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("friction", "N·m", 0.0, np.inf, "sliding friction"),
+        Parameter("friction", "N·m", -np.inf, np.inf, "sliding friction; negative where the simulator has too much"),
         Parameter("friction_2", "N·m", 0.0, np.inf, "of a second contact that yields later"),
         *PRESLIDING,
         Parameter("inequality", "1", -0.2, 0.2, "half the relative difference between the directions"),
@@ -63,4 +63,4 @@ class CoulombFriction(Effect):
                  [law.limits, (-0.2, 0.2)], (law.name,), lambda shape, _: (*shape, 0.02))
             for law in laws
         ]  # fmt: skip
-        return [*made, two, *unequal]
+        return [*made, two, *unequal, *(overdone(form) for form in made)]

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import Effect, Floats, Form, Parameter, Scene, geometric
+from .base import Effect, Floats, Form, Parameter, Scene, geometric, overdone
 
 __all__ = ["Inertia"]
 
@@ -44,7 +44,7 @@ class Inertia(Effect):
     )
     coordinate: ClassVar[str] = "acceleration"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("inertia", "kg·m²", 0.0, np.inf, "moment of inertia"),
+        Parameter("inertia", "kg·m²", -np.inf, np.inf, "moment of inertia; negative where the simulator has too much"),
         Parameter("shaft_lag", "s", 0.0, np.inf, "time by which it follows behind a compliant shaft"),
         Parameter("natural_frequency", "rad/s", 0.0, np.inf, "at which it swings on the transmission's compliance"),
         Parameter("damping_ratio", "1", 0.0, 1.0, "of that swinging"),
@@ -61,8 +61,10 @@ class Inertia(Effect):
         # Within the motion's band it would be a resonance, which is another matter; faster than sampled, it is rigid.
         swings = (2.0 * acceleration / max(speed, 1e-300), 0.7 / step)
         free = (0.0,), (np.inf,)
+        rigid = Form("rigid", ("inertia",), _columns, *free)
         return [
-            Form("rigid", ("inertia",), _columns, *free),
+            rigid,
+            overdone(rigid),
             Form("behind a shaft", ("inertia",), _behind_shaft, *free, ("shaft_lag",), (), [(0.02 * step, longest)], ("rigid",),
                  lambda shape, coefficients: (min(step, 0.5 * longest),)),
             Form("behind a compliant transmission", ("inertia",), _on_spring, *free, ("natural_frequency", "damping_ratio"),

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import PRESLIDING, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws
+from .base import PRESLIDING, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws, overdone
 
 __all__ = ["LoadDependentFriction"]
 LOAD_WORDS = ("pressure", "load", "force", "tension", "preload", "clamp", "bar")
@@ -59,7 +59,13 @@ class LoadDependentFriction(Effect):
     )
     coordinate: ClassVar[str] = "load"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("friction_coefficient", "1", 0.0, np.inf, "friction over load"),
+        Parameter(
+            "friction_coefficient",
+            "1",
+            -np.inf,
+            np.inf,
+            "friction over load; negative where the simulator has too much",
+        ),
         Parameter("friction_coefficient_back", "1", 0.0, np.inf, "μ', where the joint is driven back"),
         Parameter("power", "1", 0.4, 1.0, "p of the load"),
         Parameter("strength_gain", "1", 0.0, np.inf, "relative gain of the friction's strength at the largest load"),
@@ -79,6 +85,7 @@ class LoadDependentFriction(Effect):
             for name, load in loads.items()
             for law in laws
         ]  # fmt: skip
+        less = [overdone(form) for form in made]
         for law in laws:
             simple = (f"by torque, {law.name}",)
             made += [
@@ -89,4 +96,4 @@ class LoadDependentFriction(Effect):
                 Form(f"by elastic torque, {law.name}", ("friction_coefficient",), _columns(law, lambda scene: scene.spring), (0.0,), (np.inf,),
                      (law.parameter,), (), [law.limits], simple),
             ]  # fmt: skip
-        return [*made, Form("inside the joint", ("strength_gain",), _inside, (0.0,), (np.inf,))]
+        return [*made, *less, Form("inside the joint", ("strength_gain",), _inside, (0.0,), (np.inf,))]

@@ -22,6 +22,10 @@ def _torque_lower(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.minimum(scene.torque, 0.0)[:, None]
 
 
+def _torque_opposed(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return np.abs(scene.torque)[:, None]
+
+
 def _quadratic(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.square(scene.signals.smooth_x)[:, None]
 
@@ -98,6 +102,7 @@ class StiffnessAsymmetry(Effect):
         made = [
             Form("positive torque", ("extra_gain",), _torque, *gain),
             Form("negative torque", ("extra_gain",), _torque_lower, *gain),
+            Form("opposed by the sign of torque", ("extra_gain",), _torque_opposed, *gain),
             Form("quadratic", ("extra_stiffness_slope",), _quadratic, *free),
         ]
         for what, part, name, bounds in (

@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..operators import rms
-from .base import Effect, Floats, Form, Parameter, Scene
+from .base import Effect, Floats, Form, Parameter, Scene, overdone
 
 __all__ = ["ViscousFriction"]
 
@@ -40,7 +40,9 @@ class ViscousFriction(Effect):
     equation: ClassVar[str] = "y += c |v|^p sgn(v), c v + c2 |v| v, c asinh(v/w) (Eyring), or c arctan(v/w)"
     coordinate: ClassVar[str] = "speed"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("damping", "N·m·(s/rad)^p", 0.0, np.inf, "torque at 1 rad/s"),
+        Parameter(
+            "damping", "N·m·(s/rad)^p", -np.inf, np.inf, "torque at 1 rad/s; negative where the simulator has too much"
+        ),
         Parameter("damping_2", "N·m·s²/rad²", 0.0, np.inf, "part that grows as the square (churning)"),
         Parameter("limit", "N·m", 0.0, np.inf, "c of a grease that thins or saturates"),
         Parameter("thinning_speed", "rad/s", 0.0, np.inf, "w, speed at which it does"),
@@ -56,18 +58,14 @@ class ViscousFriction(Effect):
                  [(0.25 * fast, 5.0 * fast)])
             for name, law in (("Eyring", _eyring), ("saturating", _saturating))
         ]  # fmt: skip
+        power = Form(
+            "power law", ("damping",), _columns, (0.0,), (np.inf,), ("power",), [(0.6,), (0.75,), (1.3,), (1.7,)], [(0.5, 2.0)]
+        )  # fmt: skip
+        linear = Form("linear", ("damping",), _columns, (0.0,), (np.inf,))
         return [
-            Form("linear", ("damping",), _columns, (0.0,), (np.inf,)),
+            linear,
             Form("linear and quadratic", ("damping", "damping_2"), _quadratic, (0.0, 0.0), (np.inf, np.inf)),
-            Form(
-                "power law",
-                ("damping",),
-                _columns,
-                (0.0,),
-                (np.inf,),
-                ("power",),
-                [(0.6,), (0.75,), (1.3,), (1.7,)],
-                [(0.5, 2.0)],
-            ),
+            power,
             *thinning,
+            *(overdone(form) for form in (linear, power)),
         ]
