@@ -55,7 +55,8 @@ STANDS_IN = (GAIN,)
 STAND_IN, STAND_IN_COMPANY = 7.0, 9.0
 """Logarithm of the odds against these where the loop's fine structure is off too: then the simulator is to blame."""
 BALANCED = 2.0
-"""Size of an effect over the gap's beyond which others would have to cancel it: that is no explanation."""
+"""Size of an effect over the gap's beyond which others, or the refitted simulator, would have to cancel it: that is no
+explanation unless the effects close almost all of the gap by themselves."""
 ONE_FACTOR = 0.005
 """Share of the gap's energy that one factor on the torque may leave to be more than a coincidence of several errors."""
 AGAINST_ONE_FACTOR = 20.0
@@ -463,7 +464,8 @@ def _inadequate(evidence: Evidence, features: dict[str, float]) -> bool:
     widened = features["closed_alone"] < least and not _is_clearly_there(evidence, features)
     if refitted and gap > 3.0 and widened:
         return True
-    if features["largest"] > BALANCED * gap and not evidence.fitted:
+    cancels = features["largest"] > BALANCED * gap and features["closed_alone"] < ALMOST_ALL
+    if cancels and not evidence.fitted:
         return True
     # A simulator that is only off closes nearly all once it is calibrated, also where the calibration did not look.
     enough = CALIBRATED if not features["effects"] and gap > 3.0 else 0.5

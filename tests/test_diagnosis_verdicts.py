@@ -195,6 +195,13 @@ def test_a_law_that_was_chosen_beside_what_is_dropped_is_chosen_again() -> None:
     assert set(found.verdict) == set(case.effects)
 
 
+def test_effects_that_mostly_cancel_are_named_where_they_close_the_gap_by_themselves() -> None:
+    case, found = developed(13188, "slip", "bouc-wen", "varied")
+    assert set(case.effects) == {"viscous_friction", "sensor_delay"}
+    assert found.choice.features["largest"] > 2.0 * found.choice.features["gap"]
+    assert set(found.verdict) == set(case.effects)
+
+
 def test_an_effect_is_named_though_the_simulators_errors_hide_a_part_of_it() -> None:
     time, x = rich_motion(4000)
     y_real = spring(x) + 0.5 * _relaxing_branch(time, x, 0.5)

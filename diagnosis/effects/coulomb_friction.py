@@ -63,4 +63,6 @@ class CoulombFriction(Effect):
                  [law.limits, (-0.2, 0.2)], (law.name,), lambda shape, _: (*shape, 0.02))
             for law in laws
         ]  # fmt: skip
-        return [*made, two, *unequal, *(overdone(form) for form in made)]
+        # Presliding the other way round would be a clearance.
+        less = [overdone(form) for form in made if form.shapes == ("transition_speed",)]
+        return [*made, two, *unequal, *less]

@@ -85,7 +85,8 @@ class LoadDependentFriction(Effect):
             for name, load in loads.items()
             for law in laws
         ]  # fmt: skip
-        less = [overdone(form) for form in made]
+        # Presliding the other way round would be a clearance.
+        less = [overdone(form) for form in made if form.shapes == ("transition_speed",)]
         for law in laws:
             simple = (f"by torque, {law.name}",)
             made += [
