@@ -26,12 +26,14 @@ def sentence(found: Diagnosis) -> str:
     if found.verdict == [UNKNOWN]:
         return f"The gap of {found.rmse:.3g} {found.signals.unit} is real, but no effect that is known here explains it {sure}."
     titles = {report.name: report.name.replace("_", " ") for report in found.effects}
+    too_much = {term.effect.id for term in found.choice.hypothesis.terms if term.form.unlikely} & set(found.verdict)
+    titles |= {name: f"too much {titles[name]} in the simulator" for name in too_much}
     named = [titles.get(name, name) for name in found.verdict if name != MISCALIBRATION]
     if MISCALIBRATION in found.verdict:
         named.append("the simulator's own parameters, which are off")
     cause = named[0] if len(named) == 1 else f"{', '.join(named[:-1])} and {named[-1]}"
     closed = min(max(found.closed_in_all, 0.0), 1.0)
-    return f"The gap of {found.rmse:.3g} {found.signals.unit} comes from {cause}; adding that closes {100.0 * closed:.0f} % of it {sure}."
+    return f"The gap of {found.rmse:.3g} {found.signals.unit} comes from {cause}; {'correcting' if too_much else 'adding'} that closes {100.0 * closed:.0f} % of it {sure}."
 
 
 def summary(found: Diagnosis, designed: bool) -> list[str]:

@@ -76,6 +76,7 @@ def test_what_the_simulator_has_too_much_of_is_named_with_a_minus(effect: str, p
     assert report.parameters[parameter] == pytest.approx(-size, rel=0.05)
     low, high = found.parameter_intervals[effect][parameter]
     assert low <= -size <= high
+    assert f"too much {effect.replace('_', ' ')} in the simulator; correcting that" in sentence(found)
 
 
 def test_sides_whose_torque_is_off_in_opposite_ways_are_one_asymmetry() -> None:
