@@ -79,6 +79,13 @@ def test_what_the_simulator_has_too_much_of_is_named_with_a_minus(effect: str, p
     assert f"too much {effect.replace('_', ' ')} in the simulator; correcting that" in sentence(found)
 
 
+def test_dry_friction_whose_sign_turns_slowly_needs_no_excess_at_rest() -> None:
+    time, x = motion()
+    speed = np.gradient(x, time)
+    regularised = 2.0 / np.pi * np.arctan(speed / (0.08 * np.std(speed)))
+    assert diagnosed(x, joint(x) + 0.15 * regularised).verdict == ["coulomb_friction"]
+
+
 def test_sides_whose_torque_is_off_in_opposite_ways_are_one_asymmetry() -> None:
     _, x = motion()
     y = joint(x)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -14,6 +15,10 @@ __all__ = ["CoulombFriction"]
 
 def _columns(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
     return lambda scene, shape: law.signal(scene.signals, shape[0])[:, None]
+
+
+def _arctan(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return (np.arctan(scene.signals.certain_speed / shape[0]) * (2.0 / np.pi))[:, None]
 
 
 def _two_sliders(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -63,6 +68,8 @@ class CoulombFriction(Effect):
                  [law.limits, (-0.2, 0.2)], (law.name,), lambda shape, _: (*shape, 0.02))
             for law in laws
         ]  # fmt: skip
+        steep = next(form for form in made if form.shapes == ("transition_speed",))
+        flat = replace(steep, name="regularised by arctan", columns=_arctan)
         # Presliding the other way round would be a clearance.
         less = [overdone(form) for form in made if form.shapes == ("transition_speed",)]
-        return [*made, two, *unequal, *less]
+        return [*made, flat, two, *unequal, *less]
