@@ -27,10 +27,10 @@ from .emulation import (
     spring_of,
 )
 from .evidence import Term, effect_columns
+from .names import MISCALIBRATION, UNKNOWN
 from .precision import told
 from .refitting import fitted_again
 from .signals import Signals
-from .verdict import MISCALIBRATION, UNKNOWN
 
 __all__ = ["CorrectedSimulator", "calibrated", "corrected_simulator", "formula"]
 

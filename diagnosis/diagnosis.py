@@ -17,12 +17,13 @@ from .effects.base import Effect
 from .emulation import SimulatorScene, emulate
 from .evidence import Evidence, Hypothesis
 from .heldout import HeldOut, closed_share, held_out, structured_power
+from .names import MISCALIBRATION, UNKNOWN
 from .operators import rms
 from .precision import intervals, told
 from .refitting import refitted_beside
 from .search import Library, search
 from .signals import Signals
-from .verdict import MISCALIBRATION, UNKNOWN, Choice, choose
+from .verdict import Choice, choose
 
 __all__ = ["SCHEMA", "Diagnosis", "EffectReport", "diagnose", "known_effects"]
 

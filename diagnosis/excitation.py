@@ -14,8 +14,9 @@ from ..datasets.recording_files import DEFAULT_TIME, DEFAULT_X, write_recording
 from .diagnosis import Diagnosis
 from .emulation import SimulatorScene, emulate
 from .evidence import Evidence, Hypothesis, is_refitted, trusted
+from .names import MISCALIBRATION
+from .rivals import SAME_BY_EYE, TEMPERATURE, effective_share
 from .signals import Signals
-from .verdict import MISCALIBRATION, SAME_BY_EYE, TEMPERATURE, effective_share
 
 __all__ = ["Limits", "candidate_motions", "design_next", "margins", "motion"]
 

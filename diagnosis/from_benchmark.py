@@ -12,8 +12,8 @@ from . import registry
 from .diagnosis import Diagnosis, diagnose
 from .effects.base import SENSOR
 from .inputs import outputs_of, signals_from
+from .names import MISCALIBRATION, UNKNOWN
 from .signals import Signals
-from .verdict import MISCALIBRATION, UNKNOWN
 
 __all__ = ["diagnose_as_is_or_fitted", "diagnose_fitted", "diagnose_model", "gap_signals"]
 

@@ -13,47 +13,23 @@ from .calibration import CONFIDENCE, confidence
 from .evidence import FINE, Evidence, Hypothesis, count_unknowns, is_refitted
 from .heldout import HeldOut, held_out, structured_power
 from .hum import hum
+from .names import GAIN, MISCALIBRATION, UNKNOWN
 from .operators import rms
-from .parsimony import fewest, hardly_worse, simplest, special_cases
+from .parsimony import fewest, hardly_worse, simplest
+from .priors import BESIDE_OFF, IDLE, STANDS_IN, prior
 from .quantisation import torque_step
-from .signals import Signals
+from .rivals import TEMPERATURE, effective_share, is_nested, is_poor, recalibration_rivals, weigh
 from .spikes import OUTLIERS, spikes
 
-__all__ = ["MISCALIBRATION", "SAME_BY_EYE", "TEMPERATURE", "UNKNOWN", "Choice", "choose", "effective_share"]
+__all__ = ["Choice", "choose"]
 
 Floats = NDArray[np.float64]
-MISCALIBRATION, UNKNOWN = "miscalibration", "unknown"
-TEMPERATURE = 0.25
-"""Share of the evidence that is trusted when alternatives are weighed: laws are never exact."""
-SAME_BY_EYE = 0.003
-"""Evidence a sample that a slightly different law could reverse: such alternatives are stated as ambiguous."""
-SAME_WHERE_POOR = 0.04
-"""The same where all half cycles are alike."""
-IDLE = 5.0
-"""Evidence that an effect must bring to stand in for another; beside others, or beside a simulator that is off, it must
-be worth its company."""
 NEEDED = 0.3
 """Evidence a sample by which an effect must be needed beside a simulator that is off by a tenth."""
 DOUBT = 0.2
 """A cause less probable than this is not named; of those between this and a half most are right, and an honest figure is stated."""
-ALIKE = 0.25
-"""Coefficient of variation of amplitudes and of mid-stroke speeds up to which half cycles are alike."""
-EFFECT_COST = 3.0
-"""Logarithm of the prior odds against each further effect."""
-EFFECT_COST_REFITTED = 12.0
-COMPANY_COST = 0.02
-"""The same a sample, for effects beside others or beside a simulator that is off: a small misfit of one can always be
-patched by one more, however sure the improvement."""
-BESIDE_OFF = 0.012
-"""Evidence a sample that one effect must bring beside a simulator that may be off by a tenth to be more than its misfit."""
 CONSTANTS = 3.0
 """Free constants of a usual law; one with more must bring more."""
-COINCIDENCE = 200.0
-"""Logarithm of the odds against effects of 2.5 times the gap; it grows as the square beyond 1.25."""
-GAIN = "torque_gain"
-STANDS_IN = (GAIN,)
-STAND_IN, STAND_IN_COMPANY = 7.0, 9.0
-"""Logarithm of the odds against these where the loop's fine structure is off too: then the simulator is to blame."""
 BALANCED = 2.0
 """Size of an effect over the gap's beyond which others, or the refitted simulator, would have to cancel it: that is no
 explanation unless the effects close almost all of the gap by themselves."""
@@ -118,35 +94,12 @@ class Choice:
     """Share of the samples that stand out and make up the gap; 0 otherwise."""
 
 
-def _prior(evidence: Evidence, hypothesis: Hypothesis, gap: float) -> float:
-    """Logarithm of the prior odds; minus infinity for an effect that is only a special case of itself."""
-    if not hypothesis.terms:
-        return 0.0
-    if any(
-        term.effect.is_degenerate(hypothesis.parameters(term.effect.id), evidence.scene) for term in hypothesis.terms
-    ):
-        return -np.inf
-    # Beside a simulator that is off in many ways, an effect may always stand in for one more of them.
-    refitted = evidence.is_beside_refit(hypothesis)
-    cost = (EFFECT_COST_REFITTED if refitted else EFFECT_COST) * len(hypothesis.terms)
-    cost += COMPANY_COST * evidence.effective * (len(hypothesis.terms) - (0 if refitted else 1))
-    cost += sum(float(np.log(term.laws)) for term in hypothesis.terms)
-    if evidence.fitted:
-        return -cost
-    if any(term.effect.id in STANDS_IN for term in hypothesis.terms):
-        alone = len(hypothesis.terms) == 1
-        cost += STAND_IN * (hypothesis.scale[0] >= (FINE if alone else 0.5 * FINE)) + STAND_IN_COMPANY * (not alone)
-    # Effects and errors of the simulator that are each larger than the gap and cancel would be a coincidence.
-    size = rms(hypothesis.signal) / gap
-    return -cost - COINCIDENCE * max(size / 1.25 - 1.0, 0.0) ** 2
-
-
 def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     """Weigh the hypotheses (the empty one first) and state the verdict."""
     floor = evidence.sigma
     energy = max(float(np.mean(np.square(evidence.gap))) - floor**2, 1e-6 * floor**2)
     size = max(rms(evidence.gap), floor)
-    likely = {id(h): h.score + _prior(evidence, h, size) for h in found}
+    likely = {id(h): h.score + prior(evidence, h, size) for h in found}
     found = [h for h in found if np.isfinite(likely[id(h)])]
     ranked = sorted(found, key=lambda h: -likely[id(h)])
     simple = simplest(evidence, ranked, energy)
@@ -170,11 +123,11 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     if best.terms and refit.miscalibrated and not evidence.fitted and not is_needed(best):
         # The simulator is off in any case: an effect beside must be needed, not only welcome.
         best, refit = blank, _judge_refit(evidence, blank, energy)
-    own = best.score + _prior(evidence, best, size)
+    own = best.score + prior(evidence, best, size)
     if best.terms and not is_refitted(best.scale):
         # What could stand in for it is judged as it is: beside an exact simulator where that is hardly worse.
         ranked = [hardly_worse(evidence, h) for h in ranked]
-        likely |= {id(h): h.score + _prior(evidence, h, size) for h in ranked if id(h) not in likely}
+        likely |= {id(h): h.score + prior(evidence, h, size) for h in ranked if id(h) not in likely}
         ranked.sort(key=lambda h: -likely[id(h)])
     scores = np.array([likely[id(h)] for h in ranked])
     choice = _stated(evidence, found, ranked, scores, best, own, refit, energy)
@@ -207,8 +160,8 @@ def _stated(
     left = max(structured_power(after, signals.runs, signals.stride), 0.0)
     gap_power = max(structured_power(signals.gap * rows, signals.runs, signals.stride), 1e-6 * floor**2)
     tempered = TEMPERATURE * effective_share(misfit_refit, signals.runs)
-    posterior, odds = _weigh(evidence, ranked, scores, own, best, blank, tempered)
-    others = [s for h, s in zip(ranked, scores, strict=True) if not _is_nested(h, best)]
+    posterior, odds = weigh(evidence, ranked, scores, own, best, blank, tempered)
+    others = [s for h, s in zip(ranked, scores, strict=True) if not is_nested(h, best)]
     features = {
         "gap": float(np.sqrt(energy) / floor),
         "left_to_noise": float(np.sqrt(left) / floor),
@@ -254,7 +207,7 @@ def _stated(
         verdict = [UNKNOWN]
     return Choice(
         verdict, stated, best, held, miscalibrated, left / gap_power, features,
-        posterior, odds, list(ranked), _recalibration_rivals(evidence, verdict, best, own, found, tempered), step, frequency,
+        posterior, odds, list(ranked), recalibration_rivals(evidence, verdict, best, own, found, tempered), step, frequency,
         standing_out,
     )  # fmt: skip
 
@@ -263,7 +216,7 @@ def _rather_off(evidence: Evidence, best: Hypothesis, found: Sequence[Hypothesis
     """``best``, or the same with a simulator that is off in place of one of its effects where that is no worse."""
     if evidence.fitted or is_refitted(best.scale):
         return best
-    own = best.score + _prior(evidence, best, size)
+    own = best.score + prior(evidence, best, size)
     made = []
     for term in best.terms:
         name = term.effect.id
@@ -273,7 +226,7 @@ def _rather_off(evidence: Evidence, best: Hypothesis, found: Sequence[Hypothesis
             continue
         scale = max((s for s in rest.by_scale if is_refitted(s)), key=rest.by_scale.__getitem__)
         off = replace(evidence.fit(rest.terms, (scale,)), by_scale=rest.by_scale)
-        worse = own - off.score - _prior(evidence, off, size)
+        worse = own - off.score - prior(evidence, off, size)
         if worse < NO_BETTER * count_unknowns([term]):
             made.append((worse, off))
     return min(made, key=lambda pair: pair[0])[1] if made else best
@@ -300,51 +253,11 @@ def _as_one_factor(
     if not best.terms:
         plain = next(form for form in gain.terms[0].effect.forms(evidence.scene) if not form.shapes)
         factor = evidence.fit((replace(gain.terms[0], form=plain, shape=()),), evidence.exact)
-        behind = best.score - factor.score - _prior(evidence, factor, size)
+        behind = best.score - factor.score - prior(evidence, factor, size)
         return factor if behind < AGAINST_ONE_FACTOR and leaves(factor) < ONE_FACTOR else best
     if best.names == {GAIN} and is_refitted(best.scale) and leaves(best) > SEVERAL:
         return blank
     return best
-
-
-def _is_nested(one: Hypothesis, other: Hypothesis) -> bool:
-    """Whether one explanation is a special case of the other."""
-    a, b = special_cases(one), special_cases(other)
-    return a <= b or b <= a
-
-
-def _weigh(
-    evidence: Evidence,
-    ranked: Sequence[Hypothesis],
-    scores: Floats,
-    own: float,
-    best: Hypothesis,
-    blank: Hypothesis,
-    tempered: float,
-) -> tuple[dict[frozenset[str], float], dict[frozenset[str], float]]:
-    """Probability of each set of effects, and its odds against the verdict ``best``, whose score is ``own``."""
-    weights = np.exp(np.clip(tempered * (scores - scores.max()), -700.0, 0.0))
-    near = (SAME_WHERE_POOR if _is_poor(evidence.scene.signals) else SAME_BY_EYE) * evidence.effective
-    posterior: dict[frozenset[str], float] = {}
-    odds: dict[frozenset[str], float] = {}
-    known = {hypothesis.names: hypothesis.score for hypothesis in ranked}
-    for hypothesis, weight, score in zip(ranked, weights / weights.sum(), scores, strict=True):
-        posterior[hypothesis.names] = posterior.get(hypothesis.names, 0.0) + float(weight)
-        against = float(np.exp(np.clip(tempered * (score - own), -700.0, 50.0)))
-        rest = hypothesis.names & best.names
-        alone = BESIDE_OFF * evidence.effective if is_refitted(hypothesis.scale) else IDLE
-        idle = COMPANY_COST * evidence.effective if rest else alone
-        if hypothesis.terms and hypothesis.score < known.get(rest, blank.score) + idle:
-            # What stands in for the verdict here is the refitted simulator, not this effect.
-            against = 0.0
-        elif special_cases(hypothesis) == best.names != hypothesis.names:
-            # The more general effect is no other cause.
-            against = 0.0
-        elif own - score < near or hypothesis.score > best.score:
-            # The latter does better but for what company costs it.
-            against = max(against, 0.1)
-        odds[hypothesis.names] = max(odds.get(hypothesis.names, 0.0), against)
-    return posterior, odds
 
 
 @dataclass(frozen=True)
@@ -372,74 +285,13 @@ def _judge_refit(evidence: Evidence, best: Hypothesis, energy: float) -> _Refit:
         rows = evidence.rows
         alone = float(np.mean(np.square((signals.gap - held.signal)[rows])))
         together = float(np.mean(np.square((signals.gap - held.signal - held.recalibration)[rows])))
-        share = RECALIBRATION_SHARE_POOR if _is_poor(signals) else RECALIBRATION_SHARE
+        share = RECALIBRATION_SHARE_POOR if is_poor(signals) else RECALIBRATION_SHARE
         needed = alone - together > max(share * energy, RECALIBRATION_CLEAR * floor**2)
         off = bool(needed or (is_refitted(best.scale) and gain > RECALIBRATION_WORTH))
     else:
         # With no effect at all, what the refit takes is the gap.
         off = is_refitted(best.scale) or energy > floor**2
     return _Refit(held, left, gain, off and rms(recalibration) > NEGLIGIBLE * floor)
-
-
-def _is_poor(signals: Signals) -> bool:
-    """Whether all half cycles are alike, as in a single sine: one amplitude at one rate."""
-    whole = signals.amplitude > 0.05 * signals.reach
-    if not np.any(whole):
-        return True
-    amplitude = signals.amplitude[whole]
-    pace = np.abs(signals.speed[whole]) / amplitude
-    middle = signals.since_reversal[whole] > 0.7 * amplitude
-    middle &= signals.since_reversal[whole] < 1.3 * amplitude
-    spread = [float(np.std(v)) / max(float(np.mean(v)), 1e-300) for v in (amplitude, pace[middle]) if v.size]
-    return max(spread) < ALIKE
-
-
-def effective_share(residual: Floats, runs: Sequence[slice], longest: int = 200) -> float:
-    """Effective over actual number of samples, 1 / (1 + 2 Σ ρ_k), the sum ended where ρ_k is no longer positive."""
-    products = np.zeros(longest)
-    for run in runs:
-        series = residual[run]
-        for lag in range(min(longest, series.size // 4)):
-            products[lag] += float(series[: series.size - lag] @ series[lag:])
-    if products[0] <= 0.0:
-        return 1.0
-    correlation = products[1:] / products[0]
-    ends = np.flatnonzero(correlation <= 0.0)
-    return 1.0 / (1.0 + 2.0 * float(correlation[: ends[0] if ends.size else longest - 1].sum()))
-
-
-def _recalibration_rivals(
-    evidence: Evidence,
-    verdict: Sequence[str],
-    best: Hypothesis,
-    own: float,
-    found: Sequence[Hypothesis],
-    tempered: float,
-) -> list[str]:
-    """Effects that a miscalibrated simulator would imitate, or be imitated by, on this recording."""
-    blank = next(h for h in found if not h.terms)
-    # That one factor fits all parameters is a coincidence that evidence weighs rightly, whatever the laws are.
-    least = np.log(0.05) / (1.0 if best.names & set(STANDS_IN) else tempered)
-    if len(best.names) == 1 and verdict == sorted(best.names):
-        refitted = max((s for scale, s in blank.by_scale.items() if is_refitted(scale)), default=-np.inf)
-        if _is_poor(evidence.scene.signals):
-            least = min(least, -SAME_WHERE_POOR * evidence.effective)
-        return sorted(best.names) if refitted - own > least else []
-    if verdict == [MISCALIBRATION]:
-        exact = [scale for scale in blank.by_scale if not is_refitted(scale)]
-        fixed = []
-        for hypothesis in found:
-            # Where the fine structure is off too, it is the effect that must stand in for the errors, not that structure.
-            own_worth = [h for s, h in hypothesis.by_scale.items() if s in exact and h > blank.by_scale[s] + IDLE]
-            if len(hypothesis.terms) == 1 and own_worth:
-                fixed.append((hypothesis, max(own_worth)))
-        return sorted(
-            name
-            for h, s in fixed
-            for name in h.names
-            if s - EFFECT_COST - best.score > (np.log(0.05) if name in STANDS_IN else least)
-        )
-    return []
 
 
 def _nothing(evidence: Evidence, best: Hypothesis, miscalibrated: bool, features: dict[str, float]) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from .diagnosis import Diagnosis
-from .verdict import MISCALIBRATION, UNKNOWN
+from .names import MISCALIBRATION, UNKNOWN
 
 __all__ = ["sentence", "summary"]
 

@@ -7,8 +7,8 @@ import numpy as np
 from ..diagnosis import Diagnosis
 from ..emulation import SimulatorScene, emulate
 from ..heldout import closed_share
+from ..names import MISCALIBRATION, UNKNOWN
 from ..signals import Floats, Signals
-from ..verdict import MISCALIBRATION, UNKNOWN
 
 __all__ = ["found_closed", "named_effects", "predicted_closed", "signal_on"]
 

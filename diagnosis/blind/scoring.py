@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..verdict import MISCALIBRATION
+from ..names import MISCALIBRATION
 
 __all__ = ["BINS", "CARRIED", "expected_calibration_error", "is_right", "score", "settled", "wilson"]
 
