@@ -14,7 +14,7 @@ from ..datasets.recording_files import DEFAULT_TIME, DEFAULT_X, write_recording
 from .diagnosis import Diagnosis
 from .emulation import SimulatorScene, emulate
 from .evidence import Evidence, Hypothesis, is_refitted, trusted
-from .names import MISCALIBRATION
+from .names import GAIN, MISCALIBRATION
 from .rivals import SAME_BY_EYE, TEMPERATURE, effective_share
 from .signals import Signals
 
@@ -23,8 +23,8 @@ __all__ = ["Limits", "candidate_motions", "design_next", "margins", "motion"]
 Floats = NDArray[np.float64]
 SETTLED = 4.6
 """Logarithm of the tempered odds (100 to 1) at which a pair counts as told apart."""
-CLEARLY = 0.5
-"""So much more than two recordings together must bring for a pair not to be stated again is asked for where it can be had."""
+CLEARLY = 3.0
+"""So many times more than two recordings together must bring for a pair not to be stated again is asked for where it can be had."""
 LONGER = 0.1
 """By so much of a pair a longer motion must tell more."""
 MOST_SAMPLES = 6000
@@ -150,12 +150,13 @@ def margins(found: Diagnosis, time: Floats, x: Floats) -> list[float]:
     y_sim = found.evidence.scene.emulator.anew(x)
     blank = Signals(time, x, y_sim, y_sim, [slice(0, x.size)], _as_recorded(found.signals, time))
     scene = SimulatorScene(blank, emulate(blank, None))
-    # As much as the two recordings together must bring for the pair not to be stated again; what the verdict leaves now
-    # will be as correlated then.
+    # What the verdict leaves now will be as correlated then.
     share_left = effective_share(found.evidence.left_over(found.choice.hypothesis), found.signals.runs)
-    enough = max(SETTLED / (TEMPERATURE * share_left), SAME_BY_EYE * trusted(together))
+    usual = max(SETTLED / (TEMPERATURE * share_left), SAME_BY_EYE * trusted(together))
     made = []
     for pair in found.ambiguous:
+        # As much as the two recordings together must bring for the pair not to be stated again.
+        enough = SETTLED if set(pair) == {GAIN, MISCALIBRATION} else usual
         orders = [(true, false) for true, false in (pair, pair[::-1]) if true != MISCALIBRATION]
         # Beside the first recording each sample of the new one counts as much as each of its own.
         brought = share * min(_brought(found, scene, true, false) for true, false in orders)

@@ -59,7 +59,7 @@ def weigh(
         elif special_cases(hypothesis) == best.names != hypothesis.names:
             # The more general effect is no other cause.
             against = 0.0
-        elif own - score < near or hypothesis.score > best.score:
+        elif own - score < near or hypothesis.score - best.score > near:
             # The latter does better but for what company costs it.
             against = max(against, 0.1)
         odds[hypothesis.names] = max(odds.get(hypothesis.names, 0.0), against)

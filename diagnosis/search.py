@@ -314,7 +314,7 @@ def _with_shapes_of_larger(
                     _note_exact(exact, fewer)
                 if fewer.names in best and fewer.score > best[fewer.names].score:
                     best[fewer.names] = evidence.refine(fewer)
-                if hypothesis is larger[0] and fewer.names in best:
+                if size > 2 and hypothesis is larger[0] and fewer.names in best:
                     # What is dropped may only have made up for the law of another.
                     own = max(fewer, best[fewer.names], key=lambda h: h.score)
                     for better in _siblings(evidence, own, 2):
