@@ -50,7 +50,7 @@ class Library:
         made: list[Floats] = []
         start = 0
         for effect in effects:
-            forms = effect.forms(evidence.scene)
+            forms = _forms(effect, evidence)
             for form in forms:
                 numbers = []
                 for shape in form.grid:
@@ -155,6 +155,11 @@ class Library:
             if np.isfinite(scores[k]):
                 found.append((float(scores[k]), (*base, k)))
         return found
+
+
+def _forms(effect: Effect, evidence: Evidence) -> list[Form]:
+    """The effect's laws; a model that was fitted to the joint has nothing too much of which it would not have got rid."""
+    return [form for form in effect.forms(evidence.scene) if not (evidence.fitted and form.unlikely)]
 
 
 def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
@@ -330,7 +335,7 @@ def _successors(evidence: Evidence, fitted: Hypothesis) -> list[Hypothesis]:
     for k, term in enumerate(fitted.terms):
         coefficients = fitted.coefficients[start : start + len(term.form.coefficients)]
         start += len(term.form.coefficients)
-        for form in term.effect.forms(evidence.scene):
+        for form in _forms(term.effect, evidence):
             if term.form.name in form.refines:
                 shape = form.start(term.shape, coefficients) if form.start else term.shape
                 terms = _with_law(fitted, k, form, shape)
@@ -370,7 +375,7 @@ def _best_sibling(evidence: Evidence, fitted: Hypothesis, k: int, tried: int) ->
     The ``tried`` best of them are refined.
     """
     term, others = fitted.terms[k], []
-    for form in term.effect.forms(evidence.scene) if term.shape else ():
+    for form in _forms(term.effect, evidence) if term.shape else ():
         if form.shapes != term.form.shapes or form.name == term.form.name:
             continue
         others.append(evidence.fit(_with_law(fitted, k, form, term.shape)))
