@@ -14,8 +14,8 @@ from ..datasets.recording_files import DEFAULT_TIME, DEFAULT_X, write_recording
 from .diagnosis import Diagnosis
 from .emulation import SimulatorScene, emulate
 from .evidence import Evidence, Hypothesis, is_refitted, trusted
-from .names import GAIN, MISCALIBRATION
-from .rivals import SAME_BY_EYE, TEMPERATURE, effective_share
+from .names import MISCALIBRATION
+from .rivals import SAME_BY_EYE, is_weighed_rightly
 from .signals import Signals
 
 __all__ = ["Limits", "candidate_motions", "design_next", "margins", "motion"]
@@ -151,12 +151,11 @@ def margins(found: Diagnosis, time: Floats, x: Floats) -> list[float]:
     blank = Signals(time, x, y_sim, y_sim, [slice(0, x.size)], _as_recorded(found.signals, time))
     scene = SimulatorScene(blank, emulate(blank, None))
     # What the verdict leaves now will be as correlated then.
-    share_left = effective_share(found.evidence.left_over(found.choice.hypothesis), found.signals.runs)
-    usual = max(SETTLED / (TEMPERATURE * share_left), SAME_BY_EYE * trusted(together))
+    usual = max(SETTLED / found.choice.tempered, SAME_BY_EYE * trusted(together))
     made = []
     for pair in found.ambiguous:
         # As much as the two recordings together must bring for the pair not to be stated again.
-        enough = SETTLED if set(pair) == {GAIN, MISCALIBRATION} else usual
+        enough = SETTLED if MISCALIBRATION in pair and is_weighed_rightly(pair) else usual
         orders = [(true, false) for true, false in (pair, pair[::-1]) if true != MISCALIBRATION]
         # Beside the first recording each sample of the new one counts as much as each of its own.
         brought = share * min(_brought(found, scene, true, false) for true, false in orders)

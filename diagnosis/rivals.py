@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,16 @@ from .parsimony import special_cases
 from .priors import BESIDE_OFF, COMPANY_COST, EFFECT_COST, IDLE, STANDS_IN
 from .signals import Signals
 
-__all__ = ["SAME_BY_EYE", "TEMPERATURE", "effective_share", "is_nested", "is_poor", "recalibration_rivals", "weigh"]
+__all__ = [
+    "SAME_BY_EYE",
+    "TEMPERATURE",
+    "effective_share",
+    "is_nested",
+    "is_poor",
+    "is_weighed_rightly",
+    "recalibration_rivals",
+    "weigh",
+]
 
 Floats = NDArray[np.float64]
 TEMPERATURE = 0.25
@@ -76,28 +85,38 @@ def recalibration_rivals(
 ) -> list[str]:
     """Effects that a miscalibrated simulator would imitate, or be imitated by, on this recording."""
     blank = next(h for h in found if not h.terms)
-    # That one factor fits all parameters is a coincidence that evidence weighs rightly, whatever the laws are.
-    least = np.log(0.05) / (1.0 if best.names & set(STANDS_IN) else tempered)
+
+    def least(names: Collection[str]) -> float:
+        return float(np.log(0.05)) / (1.0 if is_weighed_rightly(names) else tempered)
+
     if len(best.names) == 1 and verdict == sorted(best.names):
         refitted = max((s for scale, s in blank.by_scale.items() if is_refitted(scale)), default=-np.inf)
-        if is_poor(evidence.scene.signals):
-            least = min(least, -SAME_WHERE_POOR * evidence.effective)
-        return sorted(best.names) if refitted - own > least else []
+        poor = -SAME_WHERE_POOR * evidence.effective if is_poor(evidence.scene.signals) else 0.0
+        return sorted(best.names) if refitted - own > min(least(best.names), poor) else []
+
+    def beside_exact(hypothesis: Hypothesis) -> float:
+        # Where the fine structure is off too, it is the effect that must stand in for the errors, not that structure.
+        scores = (
+            s for scale, s in hypothesis.by_scale.items() if not is_refitted(scale) and s > blank.by_scale[scale] + IDLE
+        )
+        return max(scores, default=-np.inf)
+
     if verdict == [MISCALIBRATION]:
-        exact = [scale for scale in blank.by_scale if not is_refitted(scale)]
-        fixed = []
-        for hypothesis in found:
-            # Where the fine structure is off too, it is the effect that must stand in for the errors, not that structure.
-            own_worth = [h for s, h in hypothesis.by_scale.items() if s in exact and h > blank.by_scale[s] + IDLE]
-            if len(hypothesis.terms) == 1 and own_worth:
-                fixed.append((hypothesis, max(own_worth)))
         return sorted(
             name
-            for h, s in fixed
+            for h in found
             for name in h.names
-            if s - EFFECT_COST - best.score > (np.log(0.05) if name in STANDS_IN else least)
+            if len(h.names) == 1 and beside_exact(h) - EFFECT_COST - best.score > least(h.names)
         )
     return []
+
+
+def is_weighed_rightly(names: Collection[str]) -> bool:
+    """Whether evidence between these effects and a simulator that is off may be trusted whole.
+
+    That one factor fits all parameters is a coincidence that evidence weighs rightly, whatever the laws are.
+    """
+    return not set(STANDS_IN).isdisjoint(names)
 
 
 def is_poor(signals: Signals) -> bool:

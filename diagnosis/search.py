@@ -64,7 +64,7 @@ class Library:
                     start += columns.shape[1]
                 if numbers:
                     self._laws.append(numbers)
-                    key = (tuple(form.lower), tuple(form.upper), len(form.shapes), form.unlikely)
+                    key = (tuple(form.lower), tuple(form.upper), len(form.shapes), form.overdone)
                     self._alike.setdefault(key, []).extend(numbers)
         self.candidates = len(self.terms)
         """How many terms there were before sets grew: what one effect, law and starting shape makes by itself."""
@@ -159,7 +159,7 @@ class Library:
 
 def _forms(effect: Effect, evidence: Evidence) -> list[Form]:
     """The effect's laws; a model that was fitted to the joint has nothing too much of which it would not have got rid."""
-    return [form for form in effect.forms(evidence.scene) if not (evidence.fitted and form.unlikely)]
+    return [form for form in effect.forms(evidence.scene) if not (evidence.fitted and form.overdone)]
 
 
 def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
@@ -317,12 +317,13 @@ def _with_shapes_of_larger(
                 # Single effects are tried beside an exact simulator anyway.
                 if size > 2:
                     _note_exact(exact, fewer)
-                if fewer.names in best and fewer.score > best[fewer.names].score:
+                if fewer.names not in best:
+                    continue
+                if fewer.score > best[fewer.names].score:
                     best[fewer.names] = evidence.refine(fewer)
-                if size > 2 and hypothesis is larger[0] and fewer.names in best:
+                if size > 2 and hypothesis is larger[0]:
                     # What is dropped may only have made up for the law of another.
-                    own = max(fewer, best[fewer.names], key=lambda h: h.score)
-                    for better in _siblings(evidence, own, 2):
+                    for better in _siblings(evidence, best[fewer.names], 2):
                         _note_exact(exact, better)
                         if better.score > best[fewer.names].score:
                             best[fewer.names] = better

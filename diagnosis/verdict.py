@@ -86,6 +86,8 @@ class Choice:
     candidates: list[Hypothesis]
     recalibration_rivals: list[str]
     """Effects of the verdict for which an unnamed miscalibration could stand in, or the other way round."""
+    tempered: float
+    """Share of the evidence that is trusted between alternatives: less where what is left is correlated."""
     torque_step: float = 0.0
     """Step in which the recorded torque comes, N·m, where it makes up the gap; 0 otherwise."""
     hum: float = 0.0
@@ -207,8 +209,8 @@ def _stated(
         verdict = [UNKNOWN]
     return Choice(
         verdict, stated, best, held, miscalibrated, left / gap_power, features,
-        posterior, odds, list(ranked), recalibration_rivals(evidence, verdict, best, own, found, tempered), step, frequency,
-        standing_out,
+        posterior, odds, list(ranked), recalibration_rivals(evidence, verdict, best, own, found, tempered), tempered,
+        step, frequency, standing_out,
     )  # fmt: skip
 
 

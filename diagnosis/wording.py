@@ -12,28 +12,29 @@ __all__ = ["sentence", "summary"]
 
 def sentence(found: Diagnosis) -> str:
     """The verdict in one sentence."""
+    gap = f"The gap of {found.rmse:.3g} {found.signals.unit}"
     sure = f"(confidence {100.0 * found.confidence:.0f} %)"
     if not found.verdict:
         return f"No gap beyond the noise of {found.noise_floor:.3g} {found.signals.unit} {sure}."
     if found.choice.torque_step > 0.0:
         step = f"{found.choice.torque_step:.3g} {found.signals.unit}"
-        return f"The gap of {found.rmse:.3g} {found.signals.unit} is the torque sensor's: it counts in steps of {step} {sure}."
+        return f"{gap} is the torque sensor's: it counts in steps of {step} {sure}."
     if found.choice.hum > 0.0:
-        return f"The gap of {found.rmse:.3g} {found.signals.unit} is a hum at {found.choice.hum:.3g} Hz, no effect of the joint {sure}."
+        return f"{gap} is a hum at {found.choice.hum:.3g} Hz, no effect of the joint {sure}."
     if found.verdict == [UNKNOWN] and found.choice.spikes > 0.0:
         stand_out = f"spikes in {100.0 * found.choice.spikes:.2g} % of the samples"
-        return f"The gap of {found.rmse:.3g} {found.signals.unit} is {stand_out}, no effect of the joint {sure}."
+        return f"{gap} is {stand_out}, no effect of the joint {sure}."
     if found.verdict == [UNKNOWN]:
-        return f"The gap of {found.rmse:.3g} {found.signals.unit} is real, but no effect that is known here explains it {sure}."
+        return f"{gap} is real, but no effect that is known here explains it {sure}."
     titles = {report.name: report.name.replace("_", " ") for report in found.effects}
-    too_much = {term.effect.id for term in found.choice.hypothesis.terms if term.form.unlikely} & set(found.verdict)
+    too_much = {term.effect.id for term in found.choice.hypothesis.terms if term.form.overdone} & set(found.verdict)
     titles |= {name: f"too much {titles[name]} in the simulator" for name in too_much}
     named = [titles.get(name, name) for name in found.verdict if name != MISCALIBRATION]
     if MISCALIBRATION in found.verdict:
         named.append("the simulator's own parameters, which are off")
     cause = named[0] if len(named) == 1 else f"{', '.join(named[:-1])} and {named[-1]}"
     closed = min(max(found.closed_in_all, 0.0), 1.0)
-    return f"The gap of {found.rmse:.3g} {found.signals.unit} comes from {cause}; {'correcting' if too_much else 'adding'} that closes {100.0 * closed:.0f} % of it {sure}."
+    return f"{gap} comes from {cause}; {'correcting' if too_much else 'adding'} that closes {100.0 * closed:.0f} % of it {sure}."
 
 
 def summary(found: Diagnosis, designed: bool) -> list[str]:

@@ -56,7 +56,8 @@ def test_a_set_is_fitted_beside_an_exact_simulator_as_if_there_were_no_other() -
     among_all = evidence.fit(terms)
     assert among_all.scale not in evidence.exact
     for scale in evidence.exact:
-        assert among_all.by_scale[scale] >= evidence.fit(terms, (scale,)).score - 3.0
+        # The torque so far is that of the likeliest of these: another's own would do better by 1.3.
+        assert among_all.by_scale[scale] >= evidence.fit(terms, (scale,)).score - 1.5
 
 
 def test_evidence_beside_a_simulator_that_is_off_is_that_of_normal_errors_of_its_parameters() -> None:

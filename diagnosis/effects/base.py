@@ -115,8 +115,8 @@ class Form:
         Names of simpler forms from whose fits this one starts, in place of a grid of its own.
     start : callable, optional
         ``start(shape, coefficients)`` of that fit gives this form's first shape; by default it is the same.
-    unlikely : int
-        By how many free constants more it is charged: it must bring more than a usual law.
+    overdone : bool
+        Whether it takes away what the simulator has too much of; then it must bring more than a usual law.
     """
 
     name: str
@@ -129,7 +129,7 @@ class Form:
     limits: Sequence[tuple[float, float]] = ()
     refines: tuple[str, ...] = ()
     start: Callable[[tuple[float, ...], Floats], tuple[float, ...]] | None = None
-    unlikely: int = 0
+    overdone: bool = False
 
     @property
     def by_ratio(self) -> tuple[bool, ...]:
@@ -167,16 +167,17 @@ def geometric(low: float, high: float, count: int) -> list[float]:
     return np.geomspace(low, high, count).tolist() if 0.0 < low <= high else []
 
 
-OVERDONE = 3
-"""Free constants by which a law is charged that takes away what a simulator has too much of."""
-
-
 def overdone(form: Form) -> Form:
     """A law of one sign the other way round: the simulator has what the joint has not."""
     return replace(
         form, name=f"{form.name}, overdone in the simulator", lower=[-v for v in form.upper],
-        upper=[-v for v in form.lower], unlikely=OVERDONE,
+        upper=[-v for v in form.lower], overdone=True,
     )  # fmt: skip
+
+
+def overdone_friction(forms: Sequence[Form]) -> list[Form]:
+    """Those of the forms of dry friction that may be overdone: presliding the other way round would be a clearance."""
+    return [overdone(form) for form in forms if form.shapes == ("transition_speed",)]
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import PRESLIDING, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws, overdone
+from .base import PRESLIDING, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws, overdone_friction
 
 __all__ = ["CoulombFriction"]
 
@@ -70,6 +70,4 @@ class CoulombFriction(Effect):
         ]  # fmt: skip
         steep = next(form for form in made if form.shapes == ("transition_speed",))
         flat = replace(steep, name="regularised by arctan", columns=_arctan)
-        # Presliding the other way round would be a clearance.
-        less = [overdone(form) for form in made if form.shapes == ("transition_speed",)]
-        return [*made, flat, two, *unequal, *less]
+        return [*made, flat, two, *unequal, *overdone_friction(made)]

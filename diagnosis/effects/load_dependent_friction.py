@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import PRESLIDING, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws, overdone
+from .base import PRESLIDING, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws, overdone_friction
 
 __all__ = ["LoadDependentFriction"]
 LOAD_WORDS = ("pressure", "load", "force", "tension", "preload", "clamp", "bar")
@@ -85,8 +85,7 @@ class LoadDependentFriction(Effect):
             for name, load in loads.items()
             for law in laws
         ]  # fmt: skip
-        # Presliding the other way round would be a clearance.
-        less = [overdone(form) for form in made if form.shapes == ("transition_speed",)]
+        less = overdone_friction(made)
         for law in laws:
             simple = (f"by torque, {law.name}",)
             made += [
