@@ -6,6 +6,7 @@ friction behind a dashpot or a lag, loops that bend with the place.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -14,12 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..models.bouc_wen import BoucWen
-from .operators import heavy, hyperbolic, leaky, lowpass, plays, rms, yielding
+from .operators import hyperbolic, leaky, lowpass, plays, rms, sliding, smooth, yielding
 
 __all__ = [
     "ELASTIC",
-    "HEAVY",
+    "FEW",
     "KINDS",
     "KINKS",
     "MEMORY",
@@ -39,11 +39,13 @@ Floats = NDArray[np.float64]
 Further = Mapping[str, Mapping[str, Any]]
 """By kind: ``sizes`` (k, m) and ``weights`` (k,) of its elements."""
 ELASTIC, MEMORY, RATE = "elastic", "memory", "rate"
-KINKS, HEAVY = "kinks", "heavy sliders"
+KINKS = "kinks"
 PLACES = 49
 """Places of a kink that are tried."""
 MOVED = 0.04
-"""Relative error of a kink's place."""
+"""Relative error of where a kink is or a slider yields."""
+FEW = 4
+"""Elements of a kind that are placed at most."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,12 @@ class Motion:
     speed: Floats
     acceleration: Floats
     runs: Sequence[slice]
+
+    def at(self, samples: NDArray[np.intp]) -> Motion:
+        """The motion at some samples (k,) only, the first one of each run among them."""
+        edges = [np.searchsorted(samples, (run.start, run.stop)) for run in self.runs]
+        runs = [slice(int(a), int(b)) for a, b in edges]
+        return Motion(self.time[samples], self.x[samples], self.speed[samples], self.acceleration[samples], runs)
 
     def from_rest(self, answer: Callable[..., Floats], *others: Floats, **sizes: float) -> Floats:
         """What an operator of given ``sizes`` answers, shape (n,), where each run comes from zero to where it begins.
@@ -77,6 +85,11 @@ class Extent:
     interval: float
     duration: float
 
+    @property
+    def units(self) -> Floats:
+        """Of the sizes of a slider with mass: rad, rad/s, 1, rad/s, s; shape (5,)."""
+        return np.array([self.reach, 1.0 / self.interval, 1.0, self.fast, self.interval])
+
 
 @dataclass(frozen=True)
 class Kind:
@@ -98,6 +111,11 @@ class Kind:
         Whether it is left out where a recording has no clock. Speed is there in any case: it tells the direction.
     together : callable, optional
         ``together(motion, sizes, weights) -> (n,)``, the torque of all, where that takes less than to make each.
+    limits : callable, optional
+        ``limits(extent) -> (2, m)``, positive, between which sizes are moved to their best places from those to choose
+        from.
+    as_they_are : bool
+        Whether those to choose from are fine enough to be taken as they are.
     """
 
     part: str
@@ -107,6 +125,8 @@ class Kind:
     between: Mapping[int, tuple[float, float]] = field(default_factory=dict)
     timed: bool = False
     together: Callable[[Motion, Floats, Floats], Floats] | None = None
+    limits: Callable[[Extent], Floats] | None = None
+    as_they_are: bool = True
 
     def torque(self, motion: Motion, sizes: Floats, weights: Floats) -> Floats:
         """Torque of all elements of these sizes and weights, N·m, shape (n,)."""
@@ -142,12 +162,7 @@ def _stribeck(motion: Motion, length: float, pace: float, excess: float) -> Floa
 
 
 def _smooth(motion: Motion, length: float, exponent: float, share: float) -> Floats:
-    """A Bouc-Wen element of unit stiffness that saturates at ``length``."""
-    size = length**-exponent
-    element = BoucWen.from_parameters(
-        stiffness=1.0, alpha=0.0, A=1.0, beta=(1.0 - share) * size, gamma=share * size, n=exponent
-    )
-    return motion.from_rest(element.predict)
+    return motion.from_rest(smooth, length=length, exponent=exponent, share=share)
 
 
 def _lag(motion: Motion, constant: float) -> Floats:
@@ -189,9 +204,9 @@ def _lagging_together(motion: Motion, sizes: Floats, weights: Floats) -> Floats:
     return total
 
 
-def _heavy(motion: Motion, level: float, frequency: float, damping: float) -> Floats:
-    """A spring behind a mass with dry friction."""
-    return motion.from_rest(lambda x, time: heavy(time, x, level, frequency, damping), motion.time)
+def _sliding(motion: Motion, level: float, frequency: float, damping: float, creep: float, late: float) -> Floats:
+    """A spring and a dashpot to a mass with dry friction."""
+    return motion.from_rest(lambda x, time: sliding(time, x, level, frequency, damping, creep, late), motion.time)
 
 
 def _curved(motion: Motion, sizes: Floats) -> Floats:
@@ -236,9 +251,10 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     "smooth yielding": Kind(
         MEMORY, True,
         lambda extent: _with(
-            extent.reach * np.geomspace(0.02, 1.0, 6), (1.0, 0.25), (1.0, 0.5), (2.0, 0.0), (2.0, 0.25), (2.0, 0.5)
+            extent.reach * np.geomspace(0.02, 1.0, 6), (1.0, 0.75), (1.0, 0.5), (2.0, 1.0), (2.0, 0.75), (2.0, 0.5)
         ),
         _by_row(_smooth),
+        limits=lambda extent: np.array([[0.004 * extent.reach, 1.0, 0.3], [3.0 * extent.reach, 8.0, 3.0]]),
     ),
     # A simulator with Stribeck friction: Canudas de Wit et al. (IEEE TAC 40, 1995).
     "Stribeck friction": Kind(
@@ -248,17 +264,24 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
             for length in (0.004, 0.012, 0.04, 0.12) for pace in (0.03, 0.1, 0.3, 1.0) for excess in (0.5, 1.5)
         ]),
         _by_row(_stribeck),
-    ),
-    # Sliders of an engine for rigid bodies have mass, damping and dry friction. They also round corners that have nothing to
-    # do with mass: they come last.
-    HEAVY: Kind(
-        MEMORY, True,
-        lambda extent: np.array([
-            (length * extent.reach, frequency / extent.interval, damping)
-            for length in np.geomspace(0.02, 1.0, 13) for frequency in (0.1, 0.2, 0.4, 0.8) for damping in (0.3, 0.9)
+        limits=lambda extent: np.array([
+            [0.001 * extent.reach, 0.003 * extent.fast, 0.02], [1.0 * extent.reach, 5.0 * extent.fast, 6.0],
         ]),
-        _by_row(_heavy),
-        {1: (0.0, np.inf), 2: (0.0, 1.0)},
+    ),
+    # Joints of an engine for rigid bodies (MuJoCo and its like) have mass, damping and dry friction that creeps.
+    "sliders with mass": Kind(
+        MEMORY, True,
+        lambda extent: extent.units * _with(
+            np.geomspace(0.02, 1.0, 8),
+            *itertools.product((0.1, 0.4, 1.6), (0.3, 2.0), (0.003, 0.05), (0.01,)),
+        ),
+        _by_row(_sliding),
+        {1: (0.0, np.inf), 3: (0.0, np.inf)},
+        timed=True,
+        limits=lambda extent: extent.units * [
+            [0.003, 0.02, 0.02, 0.0005, 0.001], [3.0, 6.0, 20.0, 3.0, 50.0],
+        ],
+        as_they_are=False,
     ),
     "relaxation": Kind(
         RATE, False,
@@ -323,12 +346,15 @@ def tangents(further: Further, motion: Motion) -> tuple[Floats, Floats]:
     fine, bulk = [nothing], [nothing]
     for kind, sizes, weights in _made(further):
         torque = kind.columns(motion, sizes) * weights
-        if kind.one_sign:
+        if kind.limits and len(sizes) <= FEW:
+            # These were moved to their places: all their sizes are parameters.
+            # A slider yields at a quotient of two of them, which may be off by twice as much.
+            fine += [torque, *_either_way(kind, motion, sizes, weights, MOVED, 2.0 * MOVED)]
+            fine += [_stretched(kind, motion, sizes, at) * weights for at in range(1, kind.width)]
+        elif kind.one_sign:
             fine += [torque, _stretched(kind, motion, sizes) * weights]
         elif kind.part == ELASTIC:
-            # Moved by a few per cent a kink leaves a ramp, not a step: each way its own.
-            near, far = (kind.columns(motion, sizes * (1.0 + way * MOVED)) * weights for way in (-1.0, 1.0))
-            bulk += [torque, (far - torque) / MOVED, (torque - near) / MOVED]
+            bulk += [torque, *_either_way(kind, motion, sizes, weights, MOVED)]
         else:
             # Elements that differ in one size only are one parameter.
             _, group = np.unique(sizes[:, 1:] if sizes.shape[1] > 1 else sizes, axis=0, return_inverse=True)
@@ -355,9 +381,18 @@ def _made(further: Further) -> Iterator[tuple[Kind, Floats, Floats]]:
         yield KINDS[name], np.asarray(elements["sizes"], dtype=np.float64), np.asarray(elements["weights"])
 
 
-def _stretched(kind: Kind, motion: Motion, sizes: Floats) -> Floats:
-    """Change of each element for a relative change by one of its first size, shape (n, k)."""
-    up, down = (
-        kind.columns(motion, sizes * np.array([scale] + [1.0] * (sizes.shape[1] - 1))) for scale in (1.05, 0.95)
-    )
+def _stretched(kind: Kind, motion: Motion, sizes: Floats, at: int = 0) -> Floats:
+    """Change of each element for a relative change by one of its size number ``at``, shape (n, k)."""
+    up, down = (kind.columns(motion, _scaled(sizes, at, scale)) for scale in (1.05, 0.95))
     return np.asarray((up - down) / 0.1)
+
+
+def _either_way(kind: Kind, motion: Motion, sizes: Floats, weights: Floats, *errors: float) -> list[Floats]:
+    """The same of the first size for errors up and down: where a corner moves it leaves a ramp, each way its own."""
+    here = kind.columns(motion, sizes)
+    ways = [way * error for error in errors for way in (1.0, -1.0)]
+    return [(kind.columns(motion, _scaled(sizes, 0, 1.0 + way)) - here) * weights / way for way in ways]
+
+
+def _scaled(sizes: Floats, at: int, scale: float) -> Floats:
+    return np.asarray(sizes * np.where(np.arange(sizes.shape[1]) == at, scale, 1.0))

@@ -26,7 +26,6 @@ from ..bench.arguments import time_argument
 from ..errors import InputError
 from .elements import (
     ELASTIC,
-    HEAVY,
     KINDS,
     KINKS,
     MEMORY,
@@ -39,6 +38,7 @@ from .elements import (
     uncancelled,
 )
 from .operators import bristle, plays, rms, weighed
+from .placing import placed
 from .selection import Selection, places_of, solve, spread, triangle
 from .signals import Signals, differentiate
 
@@ -57,7 +57,7 @@ __all__ = [
 Floats = NDArray[np.float64]
 ELEMENTS, FINER = 14, 40
 """Stops; the finer ones contain the others."""
-STOPS = "stops"
+STOPS, MOVED = "stops", "moved"
 BRISTLES = 5
 PLACINGS = 4
 """Steps in which kinks are moved to their places."""
@@ -65,6 +65,8 @@ RATES_NEEDED = 1.1
 """Error without the rate terms, over that with them, from which they are needed."""
 EMULATED = 0.001
 """Error, as a share of the output, from which further elements are looked for."""
+CLEARLY = 0.7
+"""What elements that were moved to their places must leave at most of the error that is left without them."""
 PLACES = 4
 """Ways in which an element's torque may depend on where it is."""
 STEEPNESS = (0.02, 0.08, 0.3)
@@ -288,27 +290,40 @@ class Generalised:
     def _enlarged(self) -> tuple[int, dict[str, Floats]]:
         """How many stops, and the sizes of which further elements, are needed."""
         signals = self.signals
-        elastic, stops, placed = self._parts(_thresholds(self.reach, FINER))
+        elastic, stops, placed_stops = self._parts(_thresholds(self.reach, FINER))
         duration = max(float(signals.time[run][-1] - signals.time[run][0]) for run in signals.runs)
         extent = Extent(self.reach, self.fast, signals.interval, duration)
         kinds = {name: kind for name, kind in KINDS.items() if signals.timed or not kind.timed}
-        sizes = {name: kind.sizes(extent) for name, kind in kinds.items()}
-        some = spread(signals.x.size)
-        others = np.hstack([placed, self._rates()])[some]
-        elements = {STOPS: self.sign * stops[some], ELASTIC: elastic[some], "others": others} | {
-            name: (self.sign if kind.one_sign else 1.0) * kind.columns(self.motion, sizes[name])[some]
-            for name, kind in kinds.items()
-        }
-        of_one_sign = [STOPS, *(name for name, kind in kinds.items() if kind.one_sign)]
-        selection = Selection(elements, signals.y_sim[some], of_one_sign)
+        sizes = {name: kind.sizes(extent) for name, kind in kinds.items() if kind.as_they_are}
         few = np.concatenate([np.arange(0, FINER, _spacing(FINER)), np.arange(FINER, stops.shape[1])])
+        beside = np.hstack([elastic, stops[:, few], self._rates()])
+        movable = {name: kind for name, kind in kinds.items() if kind.limits is not None}
+        moved = placed(movable, extent, self.motion, beside, signals.y_sim)
+        some = spread(signals.x.size)
+        others = np.hstack([placed_stops, self._rates()])[some]
+
+        def columns(name: str, made: Floats) -> Floats:
+            return (self.sign if kinds[name].one_sign else 1.0) * kinds[name].columns(self.motion, made)[some]
+
+        elements = {STOPS: self.sign * stops[some], ELASTIC: elastic[some], "others": others}
+        elements |= {name: columns(name, made) for name, made in sizes.items()}
+        of_one_sign = [STOPS, *(name for name in sizes if kinds[name].one_sign)]
+        if moved:
+            elements[MOVED] = columns(*moved)
+            of_one_sign += [MOVED] if kinds[moved[0]].one_sign else []
+        selection = Selection(elements, signals.y_sim[some], of_one_sign)
         base = {STOPS: selection.places[STOPS][few]} | {name: selection.places[name] for name in (ELASTIC, "others")}
-        chosen = selection.grow(base, [STOPS, *kinds], [KINKS], [HEAVY])
+        chosen = selection.grow(base, [STOPS, *sizes], [KINKS])
+        if moved:
+            growing = [STOPS, *(name for name in sizes if name != moved[0])]
+            with_moved = selection.grow(base | {MOVED: selection.places[MOVED]}, growing, [KINKS])
+            # Sliders with mass also round corners that have nothing to do with mass.
+            if selection.error(with_moved) < CLEARLY * selection.error(chosen):
+                chosen = with_moved
         finer = chosen.pop(STOPS).size > few.size
         del chosen[ELASTIC], chosen["others"]
-        return FINER if finer else ELEMENTS, {
-            name: sizes[name][at - selection.places[name][0]] for name, at in chosen.items()
-        }
+        further = {name: sizes[name][at - selection.places[name][0]] for name, at in chosen.items() if name != MOVED}
+        return FINER if finer else ELEMENTS, further | (dict([moved]) if moved and MOVED in chosen else {})
 
     def _placed_kinks(self) -> Floats:
         """Sizes of the kinks, moved to where they leave least, by one step of a Gauss-Newton method."""

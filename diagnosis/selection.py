@@ -12,7 +12,7 @@ from scipy.optimize import nnls
 from ..models.least_squares import blocks, reduced
 from .elements import ELASTIC
 
-__all__ = ["Selection", "places_of", "solve", "spread", "triangle"]
+__all__ = ["EXACT", "WORTHWHILE", "Selection", "places_of", "solve", "spread", "triangle"]
 
 Floats = NDArray[np.float64]
 Places = NDArray[np.intp]
@@ -22,13 +22,15 @@ FOLDS, BLOCKS = 4, 20
 """Parts of a recording that are told from the others, and the blocks that it is cut into for them."""
 ENOUGH = 6000
 """Samples that are enough to choose elements by."""
+EXACT = 5e-4
+"""Error, as a share of the target, below which no more elements are looked for."""
 WORTHWHILE = 0.85
 """What must be left of the error at most for an element to be taken in."""
 
 
-def spread(samples: int) -> slice:
+def spread(samples: int, enough: int = ENOUGH) -> slice:
     """Samples spread over a recording that are enough to choose elements by."""
-    return slice(None, None, max(samples // ENOUGH, 1))
+    return slice(None, None, max(samples // enough, 1))
 
 
 def triangle(columns: Floats, target: Floats) -> Floats:
@@ -85,6 +87,7 @@ class Selection:
         self._others = [reduced(part for j, part in enumerate(self._parts) if j != k) for k in range(FOLDS)]
         self._whole = reduced(self._parts)
         self._bounded = frozenset(bounded)
+        self._exact = EXACT * float(np.std(target)) * np.sqrt(target.size / FOLDS)
         self.places = places_of(elements)
 
     def _ordered(self, chosen: Mapping[str, Places]) -> tuple[Places, int]:
@@ -114,17 +117,14 @@ class Selection:
         taken = np.where(size > 1e-9 * own, (left[:, :-1].T @ left[:, -1]) ** 2 / np.maximum(size, 1e-300), 0.0)
         return candidates[[int(np.argmax(taken))]]
 
-    def grow(
-        self, base: Mapping[str, Places], kinds: Sequence[str], one_by_one: Sequence[str], last: Sequence[str] = ()
-    ) -> dict[str, Places]:
+    def grow(self, base: Mapping[str, Places], kinds: Sequence[str], one_by_one: Sequence[str]) -> dict[str, Places]:
         """``base`` and those of ``kinds`` that make the error much smaller, the best first.
 
-        Of the kinds that come ``one_by_one`` single elements are taken in. Those that come ``last`` must be much better
-        than any other.
+        Of the kinds that come ``one_by_one`` single elements are taken in.
         """
         chosen = dict(base)
         error = self.error(chosen)
-        while True:
+        while error > self._exact:
             options = []
             for name in kinds:
                 tried, all_of_it = chosen, self.places[name]
@@ -135,9 +135,9 @@ class Selection:
                     if rest.size:
                         more = self.best_of(rest, tried) if name in one_by_one else rest
                         tried = {**tried, name: np.concatenate([has, more])}
-                        handicap = 1.0 / WORTHWHILE if name in last else 1.0
-                        options.append((handicap * self.error(tried), tried))
+                        options.append((self.error(tried), tried))
             best, grown = min(options, key=lambda option: option[0], default=(np.inf, chosen))
             if best > WORTHWHILE * error:
                 return chosen
-            error, chosen = self.error(grown), grown
+            error, chosen = best, grown
+        return chosen

@@ -1,0 +1,129 @@
+"""Elements of the emulator whose sizes are moved to where they emulate best: a grid would have to be too fine."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from .elements import FEW, Extent, Kind, Motion
+from .selection import EXACT, WORTHWHILE
+
+__all__ = ["placed"]
+
+Floats = NDArray[np.float64]
+STARTS = 2
+"""Elements to choose from at which each begins."""
+STEPS, MORE = 10, 30
+"""Steps of the optimiser for each element that is added, and once all are there."""
+ROWS = 2000
+"""Samples that are enough to place elements by."""
+RIDGE = 1e-8
+"""Strength of the ridge on the columns beside them."""
+HOPELESS = 0.97
+"""What the best element to choose from leaves of the error where moving it is not worth the time."""
+
+
+def placed(
+    kinds: Mapping[str, Kind], extent: Extent, motion: Motion, beside: Floats, target: Floats
+) -> tuple[str, Floats] | None:
+    """Elements of the one of these kinds that emulate ``target`` (n,) best beside free columns (n, any).
+
+    Returns its name and the elements' sizes (k, m); None where none of them is worthwhile.
+    """
+    rows = _rows(motion)
+    thin = motion.at(rows)
+    others = beside[rows] / np.maximum(np.std(beside[rows], axis=0), 1e-300)
+    ridge = np.sqrt(RIDGE * len(others)) * np.eye(others.shape[1])
+    basis = np.linalg.qr(np.vstack([others, ridge]))[0]
+
+    def beyond(columns: Floats) -> Floats:
+        """What of some columns (rows, any) the others cannot make."""
+        padded = np.vstack([columns, np.zeros((others.shape[1], columns.shape[1]))])
+        return np.asarray(padded - basis @ (basis.T @ padded))
+
+    goal = beyond(target[rows, None])[:, 0] / (max(float(np.std(target)), 1e-300) * np.sqrt(len(others)))
+
+    def maker_of(kind: Kind) -> _Maker:
+        # What does not know time needs only the turns of the motion.
+        made = (
+            (lambda sizes: kind.columns(motion, sizes)[rows]) if kind.timed else functools.partial(kind.columns, thin)
+        )
+        return _Maker(kind, extent, lambda sizes: beyond(made(sizes)), goal)
+
+    makers = {name: maker_of(kind) for name, kind in kinds.items()}
+    tried = {name: maker.add(np.empty(0)) for name, maker in makers.items()}
+    name = min(tried, key=lambda each: tried[each][1])
+    error, (nearest, smaller) = float(np.linalg.norm(goal)), tried[name]
+    best, maker = np.empty(0), makers[name]
+    while smaller <= WORTHWHILE * error:
+        best, error = nearest, smaller
+        if error < EXACT or best.size == FEW * maker.low.size:
+            break
+        nearest, smaller = maker.add(best)
+    if not best.size:
+        return None
+    if error > EXACT:
+        best, _ = maker.moved(best, MORE)
+    return name, np.exp(best.reshape(-1, maker.low.size))
+
+
+def _rows(motion: Motion) -> NDArray[np.intp]:
+    """Samples spread over the motion: of each block the highest and the lowest, for memory is of the turns."""
+    block = 2 * max(motion.x.size // ROWS, 1)
+    rows = []
+    for run in motion.runs:
+        for start in range(run.start, run.stop, block):
+            part = motion.x[start : min(start + block, run.stop)]
+            rows += [start + int(np.argmin(part)), start + int(np.argmax(part))]
+        rows.append(run.start)
+    return np.unique(rows)
+
+
+class _Maker:
+    """Elements of one kind, all of whose sizes are moved by least squares, on a scale of logarithms.
+
+    The weights are eliminated from it (variable projection: Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973).
+    """
+
+    def __init__(self, kind: Kind, extent: Extent, columns: Callable[[Floats], Floats], goal: Floats) -> None:
+        assert kind.limits is not None
+        limits = kind.limits(extent)
+        self.low, self.high = np.log(limits)
+        self._starts = np.log(np.clip(kind.sizes(extent), *limits))
+        self._tried = columns(np.exp(self._starts))
+        self._goal = goal
+        # From one derivative to the next only the sizes of one element differ.
+        self._column = functools.lru_cache(maxsize=2 * FEW)(lambda logs: columns(np.exp([logs]))[:, 0])
+
+    def _columns(self, logs: Floats) -> Floats:
+        made = [self._column(tuple(row)) for row in logs.reshape(-1, self.low.size).tolist()]
+        return np.column_stack(made) if made else np.empty((self._goal.size, 0))
+
+    def _left(self, logs: Floats) -> Floats:
+        own = np.linalg.qr(self._columns(logs))[0]
+        return np.asarray(self._goal - own @ (own.T @ self._goal))
+
+    def moved(self, logs: Floats, steps: int) -> tuple[Floats, float]:
+        """Sizes moved from ``logs`` (any,) on in so many steps, and the error that they leave."""
+        within = np.tile(self.low, logs.size // self.low.size), np.tile(self.high, logs.size // self.low.size)
+        # Wide enough to see past the corners where a slider gives way.
+        wide = np.full(logs.size, 1e-3)
+        found = least_squares(self._left, logs, bounds=within, max_nfev=steps, diff_step=wide)
+        return found.x, float(np.linalg.norm(found.fun))
+
+    def add(self, logs: Floats) -> tuple[Floats, float]:
+        """The same with one element more, from where it helps most; without it where it hardly helps."""
+        left = self._left(logs)
+        basis = np.linalg.qr(self._columns(logs))[0]
+        beyond = self._tried - basis @ (basis.T @ self._tried)
+        size, own = np.sum(np.square(beyond), axis=0), np.sum(np.square(self._tried), axis=0)
+        gain = np.where(size > 1e-6 * own, np.square(left @ beyond) / np.maximum(size, 1e-300), 0.0)
+        error = float(np.linalg.norm(left))
+        if np.max(gain) < (1.0 - HOPELESS**2) * error**2:
+            return logs, error
+        found = [self.moved(np.concatenate([logs, self._starts[at]]), STEPS) for at in np.argsort(-gain)[:STARTS]]
+        return min(found, key=lambda each: each[1])
