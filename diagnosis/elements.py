@@ -19,7 +19,6 @@ from .operators import hyperbolic, leaky, lowpass, plays, rms, sliding, smooth, 
 
 __all__ = [
     "ELASTIC",
-    "FEW",
     "KINDS",
     "KINKS",
     "MEMORY",
@@ -44,8 +43,6 @@ PLACES = 49
 """Places of a kink that are tried."""
 MOVED = 0.04
 """Relative error of where a kink is or a slider yields."""
-FEW = 4
-"""Elements of a kind that are placed at most."""
 
 
 @dataclass(frozen=True)
@@ -113,9 +110,7 @@ class Kind:
         ``together(motion, sizes, weights) -> (n,)``, the torque of all, where that takes less than to make each.
     limits : callable, optional
         ``limits(extent) -> (2, m)``, positive, between which sizes are moved to their best places from those to choose
-        from.
-    as_they_are : bool
-        Whether those to choose from are fine enough to be taken as they are.
+        from, which are not fine enough to be taken as they are.
     """
 
     part: str
@@ -126,7 +121,6 @@ class Kind:
     timed: bool = False
     together: Callable[[Motion, Floats, Floats], Floats] | None = None
     limits: Callable[[Extent], Floats] | None = None
-    as_they_are: bool = True
 
     def torque(self, motion: Motion, sizes: Floats, weights: Floats) -> Floats:
         """Torque of all elements of these sizes and weights, N·m, shape (n,)."""
@@ -178,6 +172,11 @@ def _plays(motion: Motion, half_widths: Floats) -> tuple[Floats, NDArray[np.intp
     """Plays (n, k) of the different ones of so many half widths, and which of them each is."""
     different, which = np.unique(half_widths, return_inverse=True)
     return np.concatenate([plays(motion.x[run], different) for run in motion.runs]), which
+
+
+def _stops(motion: Motion, sizes: Floats) -> Floats:
+    played, which = _plays(motion, sizes[:, 0])
+    return np.asarray(motion.x[:, None] - played[:, which])
 
 
 def _lagging(motion: Motion, sizes: Floats) -> Floats:
@@ -235,6 +234,16 @@ def _with(lengths: Floats, *others: tuple[float, ...]) -> Floats:
     return np.array([(length, *other) for length in lengths for other in others])
 
 
+def _smooth_sizes(extent: Extent) -> Floats:
+    others = (1.0, 0.75), (1.0, 0.5), (2.0, 1.0), (2.0, 0.75), (2.0, 0.5)
+    return _with(extent.reach * np.geomspace(0.02, 1.0, 6), *others)
+
+
+def _stribeck_sizes(extent: Extent) -> Floats:
+    others = itertools.product((0.03 * extent.fast, 0.1 * extent.fast, 0.3 * extent.fast, extent.fast), (0.5, 1.5))
+    return _with(extent.reach * np.array([0.004, 0.012, 0.04, 0.12]), *others)
+
+
 KINDS: Mapping[str, Kind] = MappingProxyType({
     # A stiffer spring that engages, an end stop, a table.
     KINKS: Kind(
@@ -248,24 +257,36 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         lambda extent: extent.reach * np.geomspace(0.01, 1.0, 10)[:, None],
         _by_row(_rubber),
     ),
+    # Sliders at sharp deflections between those that are there in any case.
+    "a few stops": Kind(
+        MEMORY, True,
+        lambda extent: extent.reach * np.geomspace(0.02, 1.0, 12)[:, None],
+        _stops,
+        limits=lambda extent: extent.reach * np.array([[0.003], [3.0]]),
+    ),
     "smooth yielding": Kind(
         MEMORY, True,
-        lambda extent: _with(
-            extent.reach * np.geomspace(0.02, 1.0, 6), (1.0, 0.75), (1.0, 0.5), (2.0, 1.0), (2.0, 0.75), (2.0, 0.5)
-        ),
+        _smooth_sizes,
+        _by_row(_smooth),
+    ),
+    "a few smoothly yielding": Kind(
+        MEMORY, True,
+        _smooth_sizes,
         _by_row(_smooth),
         limits=lambda extent: np.array([[0.004 * extent.reach, 1.0, 0.3], [3.0 * extent.reach, 8.0, 3.0]]),
     ),
     # A simulator with Stribeck friction: Canudas de Wit et al. (IEEE TAC 40, 1995).
     "Stribeck friction": Kind(
         MEMORY, True,
-        lambda extent: np.array([
-            (length * extent.reach, pace * extent.fast, excess)
-            for length in (0.004, 0.012, 0.04, 0.12) for pace in (0.03, 0.1, 0.3, 1.0) for excess in (0.5, 1.5)
-        ]),
+        _stribeck_sizes,
+        _by_row(_stribeck),
+    ),
+    "a few with Stribeck friction": Kind(
+        MEMORY, True,
+        _stribeck_sizes,
         _by_row(_stribeck),
         limits=lambda extent: np.array([
-            [0.001 * extent.reach, 0.003 * extent.fast, 0.02], [1.0 * extent.reach, 5.0 * extent.fast, 6.0],
+            [0.001 * extent.reach, 0.003 * extent.fast, 0.02], [extent.reach, 5.0 * extent.fast, 6.0],
         ]),
     ),
     # Joints of an engine for rigid bodies (MuJoCo and its like) have mass, damping and dry friction that creeps.
@@ -281,7 +302,6 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         limits=lambda extent: extent.units * [
             [0.003, 0.02, 0.02, 0.0005, 0.001], [3.0, 6.0, 20.0, 3.0, 50.0],
         ],
-        as_they_are=False,
     ),
     "relaxation": Kind(
         RATE, False,
@@ -346,11 +366,11 @@ def tangents(further: Further, motion: Motion) -> tuple[Floats, Floats]:
     fine, bulk = [nothing], [nothing]
     for kind, sizes, weights in _made(further):
         torque = kind.columns(motion, sizes) * weights
-        if kind.limits and len(sizes) <= FEW:
-            # These were moved to their places: all their sizes are parameters.
-            # A slider yields at a quotient of two of them, which may be off by twice as much.
-            fine += [torque, *_either_way(kind, motion, sizes, weights, MOVED, 2.0 * MOVED)]
-            fine += [_stretched(kind, motion, sizes, at) * weights for at in range(1, kind.width)]
+        if kind.limits:
+            # Each of these stands for one of the simulator's own, and its sizes for that one's parameters. A slider yields
+            # at a quotient of two of them, which may be off by twice as much.
+            bulk += [torque, *_either_way(kind, motion, sizes, weights, MOVED, 2.0 * MOVED)]
+            bulk += [_stretched(kind, motion, sizes, at) * weights for at in range(1, kind.width)]
         elif kind.one_sign:
             fine += [torque, _stretched(kind, motion, sizes) * weights]
         elif kind.part == ELASTIC:

@@ -57,7 +57,7 @@ __all__ = [
 Floats = NDArray[np.float64]
 ELEMENTS, FINER = 14, 40
 """Stops; the finer ones contain the others."""
-STOPS, MOVED = "stops", "moved"
+STOPS = "stops"
 BRISTLES = 5
 PLACINGS = 4
 """Steps in which kinks are moved to their places."""
@@ -294,36 +294,33 @@ class Generalised:
         duration = max(float(signals.time[run][-1] - signals.time[run][0]) for run in signals.runs)
         extent = Extent(self.reach, self.fast, signals.interval, duration)
         kinds = {name: kind for name, kind in KINDS.items() if signals.timed or not kind.timed}
-        sizes = {name: kind.sizes(extent) for name, kind in kinds.items() if kind.as_they_are}
+        sizes = {name: kind.sizes(extent) for name, kind in kinds.items() if kind.limits is None}
+        growing = [STOPS, *sizes]
         few = np.concatenate([np.arange(0, FINER, _spacing(FINER)), np.arange(FINER, stops.shape[1])])
         beside = np.hstack([elastic, stops[:, few], self._rates()])
-        movable = {name: kind for name, kind in kinds.items() if kind.limits is not None}
+        movable = {name: kind for name, kind in kinds.items() if kind.limits}
         moved = placed(movable, extent, self.motion, beside, signals.y_sim)
+        sizes |= moved
         some = spread(signals.x.size)
         others = np.hstack([placed_stops, self._rates()])[some]
-
-        def columns(name: str, made: Floats) -> Floats:
-            return (self.sign if kinds[name].one_sign else 1.0) * kinds[name].columns(self.motion, made)[some]
-
-        elements = {STOPS: self.sign * stops[some], ELASTIC: elastic[some], "others": others}
-        elements |= {name: columns(name, made) for name, made in sizes.items()}
+        elements = {STOPS: self.sign * stops[some], ELASTIC: elastic[some], "others": others} | {
+            name: (self.sign if kinds[name].one_sign else 1.0) * kinds[name].columns(self.motion, made)[some]
+            for name, made in sizes.items()
+        }
         of_one_sign = [STOPS, *(name for name in sizes if kinds[name].one_sign)]
-        if moved:
-            elements[MOVED] = columns(*moved)
-            of_one_sign += [MOVED] if kinds[moved[0]].one_sign else []
         selection = Selection(elements, signals.y_sim[some], of_one_sign)
         base = {STOPS: selection.places[STOPS][few]} | {name: selection.places[name] for name in (ELASTIC, "others")}
-        chosen = selection.grow(base, [STOPS, *sizes], [KINKS])
+        chosen = selection.grow(base, growing, [KINKS])
         if moved:
-            growing = [STOPS, *(name for name in sizes if name != moved[0])]
-            with_moved = selection.grow(base | {MOVED: selection.places[MOVED]}, growing, [KINKS])
+            with_moved = selection.grow(base | {name: selection.places[name] for name in moved}, growing, [KINKS])
             # Sliders with mass also round corners that have nothing to do with mass.
             if selection.error(with_moved) < CLEARLY * selection.error(chosen):
                 chosen = with_moved
         finer = chosen.pop(STOPS).size > few.size
         del chosen[ELASTIC], chosen["others"]
-        further = {name: sizes[name][at - selection.places[name][0]] for name, at in chosen.items() if name != MOVED}
-        return FINER if finer else ELEMENTS, further | (dict([moved]) if moved and MOVED in chosen else {})
+        return FINER if finer else ELEMENTS, {
+            name: sizes[name][at - selection.places[name][0]] for name, at in chosen.items()
+        }
 
     def _placed_kinks(self) -> Floats:
         """Sizes of the kinks, moved to where they leave least, by one step of a Gauss-Newton method."""

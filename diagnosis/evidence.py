@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
@@ -45,6 +46,8 @@ FINE = 0.02
 """Relative error of the simulator's fine structure that is no miscalibration: no two models agree better."""
 NOTICEABLE = 0.1
 """Noise levels, over the whole recording, by which the largest errors must move a direction for it to be looked at."""
+RIDGE = 1e-9
+"""Strength of the ridge that keeps equal columns from cancelling each other."""
 OVERDONE = 3
 """Free constants by which a law is charged that takes away what a simulator has too much of."""
 TRUSTED = 6000.0
@@ -164,33 +167,49 @@ def boxed_least_squares(gram: Floats, moment: Floats, lower: Floats, upper: Floa
     if k == 1:
         single = np.clip(moment / np.maximum(gram[:, 0], 1e-300), lower, upper)
         return single, np.asarray((2.0 * moment * single - gram[:, 0] * single**2)[:, 0])
-    norm = np.sqrt(np.maximum(np.diagonal(gram, axis1=1, axis2=2), 1e-300))
-    scaled = gram / (norm[:, :, None] * norm[:, None, :]) + 1e-9 * np.eye(k)
-    wanted = moment / norm
-    low, high = lower * norm, upper * norm
-    held = np.repeat((lower == upper)[None], m, axis=0)
-    value = np.where(held & np.isfinite(low), low, 0.0)
-    system, right = scaled, wanted
-    # Clamp what leaves the box and solve again; each round clamps at least one more unknown, so k rounds end it.
-    for _ in range(k + 1):
-        if held.any():
-            known = np.where(held, value, 0.0)
-            system = np.where(held[:, :, None] | held[:, None, :], 0.0, scaled)
-            system[:, np.arange(k), np.arange(k)] = np.where(held, 1.0, np.diagonal(scaled, axis1=1, axis2=2))
-            right = np.where(held, value, wanted - (scaled @ known[:, :, None])[:, :, 0])
-        found = np.linalg.solve(system, right[:, :, None])[:, :, 0]
-        outside = ~held & ((found < low) | (found > high))
-        rows = np.flatnonzero(outside.any(axis=1))
-        if rows.size == 0:
-            break
-        excess = np.where(outside[rows], np.maximum(low[rows] - found[rows], found[rows] - high[rows]), -1.0)
-        worst = np.argmax(excess, axis=1)
-        value[rows, worst] = np.clip(found, low, high)[rows, worst]
-        held[rows, worst] = True
-    found = np.where(held, value, found)
-    beta = found / norm
-    reduction = np.sum(beta * (2.0 * moment - (gram @ beta[:, :, None])[:, :, 0]), axis=1)
+    beta, reduction = np.empty((m, k)), np.empty(m)
+    _boxed(np.ascontiguousarray(gram), np.ascontiguousarray(moment), lower, upper, beta, reduction)
     return beta, reduction
+
+
+@njit(cache=True)
+def _boxed(gram, moment, lower, upper, beta, reduction):
+    k = moment.shape[1]
+    for i in range(moment.shape[0]):
+        norm = np.sqrt(np.maximum(np.diag(gram[i]), 1e-300))
+        wanted, low, high = moment[i] / norm, lower * norm, upper * norm
+        held = lower == upper
+        value = np.where(held & np.isfinite(low), low, 0.0)
+        # Clamp what leaves the box and solve again; each round clamps one more unknown, so k rounds end it.
+        for _ in range(k + 1):
+            system, right = np.eye(k), value.copy()
+            for a in range(k):
+                if held[a]:
+                    continue
+                right[a] = wanted[a]
+                for b in range(k):
+                    share = gram[i, a, b] / (norm[a] * norm[b])
+                    if held[b]:
+                        right[a] -= share * value[b]
+                    else:
+                        system[a, b] = share + (RIDGE if a == b else 0.0)
+            found = np.linalg.solve(system, right)
+            worst, most = -1, 0.0
+            for a in range(k):
+                excess = max(low[a] - found[a], found[a] - high[a])
+                if not held[a] and excess > most:
+                    worst, most = a, excess
+            value = np.where(held, value, found)
+            if worst < 0:
+                break
+            value[worst] = min(max(found[worst], low[worst]), high[worst])
+            held[worst] = True
+        beta[i] = value / norm
+        reduction[i] = 0.0
+        for a in range(k):
+            for b in range(k):
+                reduction[i] -= beta[i, a] * gram[i, a, b] * beta[i, b]
+            reduction[i] += 2.0 * beta[i, a] * moment[i, a]
 
 
 class Evidence:

@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from .elements import FEW, Extent, Kind, Motion
+from .elements import Extent, Kind, Motion
 from .selection import EXACT, WORTHWHILE
 
 __all__ = ["placed"]
 
 Floats = NDArray[np.float64]
+MOST = 4
+"""Elements that are placed at most."""
 STARTS = 2
 """Elements to choose from at which each begins."""
 STEPS, MORE = 10, 30
@@ -23,16 +25,19 @@ ROWS = 2000
 """Samples that are enough to place elements by."""
 RIDGE = 1e-8
 """Strength of the ridge on the columns beside them."""
+CLEARLY = 0.7
+"""What a kind with more sizes must leave at most of the error that one with fewer leaves."""
 HOPELESS = 0.97
 """What the best element to choose from leaves of the error where moving it is not worth the time."""
 
 
 def placed(
     kinds: Mapping[str, Kind], extent: Extent, motion: Motion, beside: Floats, target: Floats
-) -> tuple[str, Floats] | None:
+) -> dict[str, Floats]:
     """Elements of the one of these kinds that emulate ``target`` (n,) best beside free columns (n, any).
 
-    Returns its name and the elements' sizes (k, m); None where none of them is worthwhile.
+    Kinds with more sizes must be clearly better than those with fewer. Returns the elements' sizes (k, m) by its name;
+    nothing where none of them is worthwhile.
     """
     rows = _rows(motion)
     thin = motion.at(rows)
@@ -54,21 +59,15 @@ def placed(
         )
         return _Maker(kind, extent, lambda sizes: beyond(made(sizes)), goal)
 
-    makers = {name: maker_of(kind) for name, kind in kinds.items()}
-    tried = {name: maker.add(np.empty(0)) for name, maker in makers.items()}
-    name = min(tried, key=lambda each: tried[each][1])
-    error, (nearest, smaller) = float(np.linalg.norm(goal)), tried[name]
-    best, maker = np.empty(0), makers[name]
-    while smaller <= WORTHWHILE * error:
-        best, error = nearest, smaller
-        if error < EXACT or best.size == FEW * maker.low.size:
+    best: dict[str, Floats] = {}
+    least = float(np.linalg.norm(goal))
+    for name, kind in sorted(kinds.items(), key=lambda each: each[1].width):
+        sizes, error = maker_of(kind).made()
+        if sizes.size and error < CLEARLY * least:
+            best, least = {name: sizes}, error
+        if least < EXACT:
             break
-        nearest, smaller = maker.add(best)
-    if not best.size:
-        return None
-    if error > EXACT:
-        best, _ = maker.moved(best, MORE)
-    return name, np.exp(best.reshape(-1, maker.low.size))
+    return best
 
 
 def _rows(motion: Motion) -> NDArray[np.intp]:
@@ -92,30 +91,44 @@ class _Maker:
     def __init__(self, kind: Kind, extent: Extent, columns: Callable[[Floats], Floats], goal: Floats) -> None:
         assert kind.limits is not None
         limits = kind.limits(extent)
-        self.low, self.high = np.log(limits)
+        self._low, self._high = np.log(limits)
         self._starts = np.log(np.clip(kind.sizes(extent), *limits))
         self._tried = columns(np.exp(self._starts))
         self._goal = goal
         # From one derivative to the next only the sizes of one element differ.
-        self._column = functools.lru_cache(maxsize=2 * FEW)(lambda logs: columns(np.exp([logs]))[:, 0])
+        self._column = functools.lru_cache(maxsize=2 * MOST)(lambda logs: columns(np.exp([logs]))[:, 0])
 
     def _columns(self, logs: Floats) -> Floats:
-        made = [self._column(tuple(row)) for row in logs.reshape(-1, self.low.size).tolist()]
+        made = [self._column(tuple(row)) for row in logs.reshape(-1, self._low.size).tolist()]
         return np.column_stack(made) if made else np.empty((self._goal.size, 0))
 
     def _left(self, logs: Floats) -> Floats:
         own = np.linalg.qr(self._columns(logs))[0]
         return np.asarray(self._goal - own @ (own.T @ self._goal))
 
-    def moved(self, logs: Floats, steps: int) -> tuple[Floats, float]:
+    def made(self) -> tuple[Floats, float]:
+        """Sizes (k, m) of as many elements as are worthwhile, and the error that they leave."""
+        logs, error = np.empty(0), float(np.linalg.norm(self._goal))
+        for _ in range(MOST):
+            more, smaller = self._added(logs)
+            if smaller > WORTHWHILE * error:
+                break
+            logs, error = more, smaller
+            if error < EXACT:
+                break
+        if logs.size and error > EXACT:
+            logs, error = self._moved(logs, MORE)
+        return np.exp(logs.reshape(-1, self._low.size)), error
+
+    def _moved(self, logs: Floats, steps: int) -> tuple[Floats, float]:
         """Sizes moved from ``logs`` (any,) on in so many steps, and the error that they leave."""
-        within = np.tile(self.low, logs.size // self.low.size), np.tile(self.high, logs.size // self.low.size)
+        within = np.tile(self._low, logs.size // self._low.size), np.tile(self._high, logs.size // self._low.size)
         # Wide enough to see past the corners where a slider gives way.
         wide = np.full(logs.size, 1e-3)
         found = least_squares(self._left, logs, bounds=within, max_nfev=steps, diff_step=wide)
         return found.x, float(np.linalg.norm(found.fun))
 
-    def add(self, logs: Floats) -> tuple[Floats, float]:
+    def _added(self, logs: Floats) -> tuple[Floats, float]:
         """The same with one element more, from where it helps most; without it where it hardly helps."""
         left = self._left(logs)
         basis = np.linalg.qr(self._columns(logs))[0]
@@ -125,5 +138,5 @@ class _Maker:
         error = float(np.linalg.norm(left))
         if np.max(gain) < (1.0 - HOPELESS**2) * error**2:
             return logs, error
-        found = [self.moved(np.concatenate([logs, self._starts[at]]), STEPS) for at in np.argsort(-gain)[:STARTS]]
+        found = [self._moved(np.concatenate([logs, self._starts[at]]), STEPS) for at in np.argsort(-gain)[:STARTS]]
         return min(found, key=lambda each: each[1])

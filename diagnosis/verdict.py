@@ -50,6 +50,8 @@ CALIBRATED = 0.8
 """Share of a clear gap that a calibration alone must close."""
 NEGLIGIBLE = 0.7
 """An effect smaller than this share of the noise is no gap beyond the noise."""
+LITTLE = 0.1
+"""Size of an explanation over that of the gap below which it explains nothing."""
 SUBSTANTIAL = 0.3
 """Size of an effect over the gap's that is more than a patch on a simulator that is off."""
 BARELY = 1.2
@@ -307,7 +309,8 @@ def _nothing(evidence: Evidence, best: Hypothesis, miscalibrated: bool, features
     if features["gap"] < BARELY and features["closed"] < 0.0:
         # A gap as small as the noise, and an explanation that helps on no unseen sample.
         return True
-    return not best.terms or rms(best.signal) < NEGLIGIBLE * floor
+    # What is left is noise in any case, and of a large gap little is anything else.
+    return not best.terms or rms(best.signal) < max(NEGLIGIBLE, LITTLE * features["gap"]) * floor
 
 
 def _inadequate(evidence: Evidence, features: dict[str, float]) -> bool:

@@ -58,14 +58,13 @@ class ViscousFriction(Effect):
                  [(0.25 * fast, 5.0 * fast)])
             for name, law in (("Eyring", _eyring), ("saturating", _saturating))
         ]  # fmt: skip
-        power = Form(
-            "power law", ("damping",), _columns, (0.0,), (np.inf,), ("power",), [(0.6,), (0.75,), (1.3,), (1.7,)], [(0.5, 2.0)]
-        )  # fmt: skip
         linear = Form("linear", ("damping",), _columns, (0.0,), (np.inf,))
         return [
             linear,
             Form("linear and quadratic", ("damping", "damping_2"), _quadratic, (0.0, 0.0), (np.inf, np.inf)),
-            power,
+            Form("power law", ("damping",), _columns, (0.0,), (np.inf,), ("power",), [(0.6,), (0.75,), (1.3,), (1.7,)],
+                 [(0.5, 2.0)]),
             *thinning,
-            *(overdone(form) for form in (linear, power)),
-        ]
+            # A power of the speed the other way round imitates delays and what falls with speed.
+            overdone(linear),
+        ]  # fmt: skip
