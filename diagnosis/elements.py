@@ -258,7 +258,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         _by_row(_rubber),
     ),
     # Sliders at sharp deflections between those that are there in any case.
-    "a few stops": Kind(
+    "a few sharp sliders": Kind(
         MEMORY, True,
         lambda extent: extent.reach * np.geomspace(0.02, 1.0, 12)[:, None],
         _stops,
@@ -269,7 +269,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         _smooth_sizes,
         _by_row(_smooth),
     ),
-    "a few smoothly yielding": Kind(
+    "a few smooth sliders": Kind(
         MEMORY, True,
         _smooth_sizes,
         _by_row(_smooth),
@@ -281,7 +281,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         _stribeck_sizes,
         _by_row(_stribeck),
     ),
-    "a few with Stribeck friction": Kind(
+    "a few Stribeck sliders": Kind(
         MEMORY, True,
         _stribeck_sizes,
         _by_row(_stribeck),
@@ -290,7 +290,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         ]),
     ),
     # Joints of an engine for rigid bodies (MuJoCo and its like) have mass, damping and dry friction that creeps.
-    "sliders with mass": Kind(
+    "a few sliders with mass": Kind(
         MEMORY, True,
         lambda extent: extent.units * _with(
             np.geomspace(0.02, 1.0, 8),

@@ -39,7 +39,7 @@ from .elements import (
 )
 from .operators import bristle, plays, rms, weighed
 from .placing import placed
-from .selection import Selection, places_of, solve, spread, triangle
+from .selection import CLEARLY, Selection, places_of, solve, spread, triangle
 from .signals import Signals, differentiate
 
 __all__ = [
@@ -65,8 +65,6 @@ RATES_NEEDED = 1.1
 """Error without the rate terms, over that with them, from which they are needed."""
 EMULATED = 0.001
 """Error, as a share of the output, from which further elements are looked for."""
-CLEARLY = 0.7
-"""What elements that were moved to their places must leave at most of the error that is left without them."""
 PLACES = 4
 """Ways in which an element's torque may depend on where it is."""
 STEEPNESS = (0.02, 0.08, 0.3)

@@ -65,7 +65,7 @@ def _hyperbolic(x, length, out):
         out[i] = f
 
 
-# Sums may be taken in another order: that makes it twice as fast.
+# Sums may be taken in another order: that makes it up to twice as fast.
 @njit(cache=True, fastmath={"reassoc", "nsz", "contract"})
 def _weighed(x, u, thresholds, stops, placed, lengths, signs, out):
     played, built = np.zeros(thresholds.size), np.zeros(lengths.size)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from .elements import Extent, Kind, Motion
-from .selection import EXACT, WORTHWHILE
+from .selection import CLEARLY, EXACT, WORTHWHILE
 
 __all__ = ["placed"]
 
@@ -25,8 +25,6 @@ ROWS = 2000
 """Samples that are enough to place elements by."""
 RIDGE = 1e-8
 """Strength of the ridge on the columns beside them."""
-CLEARLY = 0.7
-"""What a kind with more sizes must leave at most of the error that one with fewer leaves."""
 HOPELESS = 0.97
 """What the best element to choose from leaves of the error where moving it is not worth the time."""
 

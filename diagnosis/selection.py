@@ -12,7 +12,7 @@ from scipy.optimize import nnls
 from ..models.least_squares import blocks, reduced
 from .elements import ELASTIC
 
-__all__ = ["EXACT", "WORTHWHILE", "Selection", "places_of", "solve", "spread", "triangle"]
+__all__ = ["CLEARLY", "EXACT", "WORTHWHILE", "Selection", "places_of", "solve", "spread", "triangle"]
 
 Floats = NDArray[np.float64]
 Places = NDArray[np.intp]
@@ -24,6 +24,8 @@ ENOUGH = 6000
 """Samples that are enough to choose elements by."""
 EXACT = 5e-4
 """Error, as a share of the target, below which no more elements are looked for."""
+CLEARLY = 0.7
+"""What a richer kind of emulator must leave at most of the error that a simpler one leaves."""
 WORTHWHILE = 0.85
 """What must be left of the error at most for an element to be taken in."""
 
