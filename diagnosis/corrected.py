@@ -28,6 +28,7 @@ from .emulation import (
 )
 from .evidence import Term, effect_columns
 from .names import MISCALIBRATION, UNKNOWN
+from .notation import GENERAL, explained
 from .precision import told
 from .refitting import fitted_again
 from .signals import Signals
@@ -248,7 +249,7 @@ def _follows_a_channel(found: Diagnosis, term: Term) -> bool:
 
 def formula(found: Diagnosis, emulator: Emulator) -> str:
     """What to change in the simulator to get the calibrated one with the verdict's effects; empty if there is nothing."""
-    lines = []
+    lines, equations = [], []
     if MISCALIBRATION in found.verdict:
         spring, friction = _factors(found, emulator)
         lines.append(
@@ -256,7 +257,9 @@ def formula(found: Diagnosis, emulator: Emulator) -> str:
             f"what has memory times {friction:.3g}"
         )
     for term in _named(found):
-        lines.append(f"add {term.effect.title} ({term.form.name}): {term.effect.equation}")
+        equation = term.form.equation or term.effect.equation
+        lines += [f"add {term.effect.title} ({term.form.name}):", f"    {equation}"]
+        equations.append(equation)
         described = {parameter.name: parameter for parameter in term.effect.parameters}
         between = found.parameter_intervals.get(term.effect.id, {})
         for name, value in found.choice.hypothesis.parameters(term.effect.id).items():
@@ -267,6 +270,8 @@ def formula(found: Diagnosis, emulator: Emulator) -> str:
             lines.append(f"    {name} = {value:.6g}{unit}{interval}" + (f"   {one.meaning}" if one else ""))
         if _follows_a_channel(found, term):
             lines.append("    (not in corrected.json, which sees the deflection alone)")
+    if equations:
+        lines += ["", GENERAL, *explained(equations)]
     return "\n".join(lines)
 
 

@@ -142,14 +142,17 @@ def _closing_figures(found: Diagnosis) -> list[dict[str, Any]]:
     held = found.choice.held
     left = signals.gap - held.signal - (held.recalibration if found.choice.miscalibrated else 0.0)
     gap, left = signals.gap[signals.judged], left[signals.judged]
+    # Several recordings have no time in common.
+    at_times = signals.timed and len(signals.runs) == 1
+    along = (signals.time if at_times else np.arange(signals.x.size))[signals.judged]
     made = []
     with mpl.rc_context(STYLE):
         figure, axes = _figure(9.2, 2.6, 1, 1)
         axis = axes[0, 0]
         for series, colour, label in ((gap, MEASURED, "gap"), (left, COLOURS[1], "left over")):
             kept = _extremes(series)
-            axis.plot(kept, series[kept], color=colour, linewidth=0.7, label=label)
-        axis.set_xlabel("sample")
+            axis.plot(along[kept], series[kept], color=colour, linewidth=0.7, label=label)
+        axis.set_xlabel("time, s" if at_times else "sample")
         axis.set_ylabel(signals.unit)
         axis.legend()
         made.append({"svg": Markup(_svg(figure, "gap over time", "Gap over time, and what is left of it")),

@@ -18,6 +18,12 @@ quantile of the slopes there that the steps rest on: too steep only makes them s
 AT_FLANK = 1e-6
 """Distance from a flank, over the clearance's half, that is contact."""
 FLANKS = np.linspace(-1.0, 1.0, 7)
+IN_SERIES = "x = x - g,  g where y = 0 if that is within ±clearance / 2, else at the flank to which y presses it"
+IN_FLIGHT = (
+    "x = x - g,  g at the flank ±clearance / 2 to which y presses it; where y passes zero the load flies across, swinging at "
+    "load_frequency from its speed there: no torque until it hits, then load_inertia times its change of speed"
+)
+"""Equations of a clearance in series with the joint, whose load has no inertia or some."""
 
 
 def _play(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -142,16 +148,21 @@ class Backlash(Effect):
         few = grid[4::2]
         limits = [(5e-4 * reach, reach)]
         return [
-            Form("lost motion at turns", ("_unit",), _play, (1.0,), (1.0,), ("clearance",), grid, limits),
+            Form("lost motion at turns", ("_unit",), _play, (1.0,), (1.0,), ("clearance",), grid, limits,
+                 equation="x = play(x, clearance / 2)"),
             Form("lost motion at turns, soft flanks", ("_unit",), _soft_play, (1.0,), (1.0,), ("clearance", "softness"), (),
-                 [*limits, (0.05, 1.0)], ("lost motion at turns",), lambda shape, coefficients: (shape[0], 0.5)),
-            Form("gap around zero", ("_unit",), _gap, (1.0,), (1.0,), ("clearance",), grid[2::2], limits),
+                 [*limits, (0.05, 1.0)], ("lost motion at turns",), lambda shape, coefficients: (shape[0], 0.5),
+                 equation="x = plays(x, clearance / 2 * (1 - softness), clearance / 2 * (1 + softness))"),
+            Form("gap around zero", ("_unit",), _gap, (1.0,), (1.0,), ("clearance",), grid[2::2], limits,
+                 equation="x = x - clip(x, -clearance / 2, clearance / 2)"),
             Form("gap elsewhere", ("_unit",), _gap_elsewhere, (1.0,), (1.0,), ("clearance", "middle"),
                  [(b * reach, side * m * reach) for b in (0.02, 0.05, 0.12, 0.3) for m in _middles(b) for side in (-1.0, 1.0)],
-                 [*limits, (-0.6 * reach, 0.6 * reach)]),
-            Form("soft gap", ("_unit",), _soft_gap, (1.0,), (1.0,), ("clearance",), (), limits, ("gap around zero",)),
-            Form("gap at zero torque", ("_unit",), _series, (1.0,), (1.0,), ("clearance",), few, limits),
+                 [*limits, (-0.6 * reach, 0.6 * reach)],
+                 equation="x = x - clip(x - middle, -clearance / 2, clearance / 2) + clip(-middle, -clearance / 2, clearance / 2)"),
+            Form("soft gap", ("_unit",), _soft_gap, (1.0,), (1.0,), ("clearance",), (), limits, ("gap around zero",),
+                 equation="x = x - clearance / 2 * tanh(2 * x / clearance)"),
+            Form("gap at zero torque", ("_unit",), _series, (1.0,), (1.0,), ("clearance",), few, limits, equation=IN_SERIES),
             Form("gap at zero torque, free flight", ("_unit", "load_inertia"), _flight, (1.0, 0.0), (1.0, np.inf),
                  ("clearance", "load_frequency"), [(b, w) for (b,) in grid[3:11:2] for w in (40.0, 120.0, 400.0)],
-                 [*limits, (10.0, 3000.0)]),
+                 [*limits, (10.0, 3000.0)], equation=IN_FLIGHT),
         ]  # fmt: skip

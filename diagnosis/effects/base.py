@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar, Protocol
+from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,6 +117,9 @@ class Form:
         ``start(shape, coefficients)`` of that fit gives this form's first shape; by default it is the same.
     overdone : bool
         Whether it takes away what the simulator has too much of; then it must bring more than a usual law.
+    equation : str
+        What a simulator has to do, in its parameters' names and the words of :mod:`hystbench.diagnosis.notation`; the
+        effect's own equation where it is empty.
     """
 
     name: str
@@ -130,6 +133,7 @@ class Form:
     refines: tuple[str, ...] = ()
     start: Callable[[tuple[float, ...], Floats], tuple[float, ...]] | None = None
     overdone: bool = False
+    equation: str = ""
 
     @property
     def by_ratio(self) -> tuple[bool, ...]:
@@ -186,6 +190,7 @@ class DirectionLaw:
 
     name: str
     parameter: str
+    equation: str
     signal: Callable[[Signals, float], Floats]
     grid: Sequence[float]
     limits: tuple[float, float]
@@ -198,20 +203,29 @@ def direction_laws(scene: Scene) -> list[DirectionLaw]:
     lengths = [0.002 * reach, 0.012 * reach, 0.06 * reach]
     distances = (5e-5 * reach, 0.3 * reach)
     return [
-        DirectionLaw("presliding", "presliding", Signals.bristle, lengths, distances),
-        DirectionLaw("elastic presliding", "elastic_presliding", Signals.slipping, lengths, distances),
+        DirectionLaw("presliding", "presliding", "dahl(x, presliding)", Signals.bristle, lengths, distances),
         DirectionLaw(
-            "regularised", "transition_speed", lambda s, w: np.tanh(s.certain_speed / w), [0.01 * fast, 0.06 * fast],
-            (0.002 * fast, 0.3 * fast),
+            "elastic presliding", "elastic_presliding", "slip(x, elastic_presliding)", Signals.slipping, lengths, distances
+        ),
+        DirectionLaw(
+            "regularised", "transition_speed", "tanh(v / transition_speed)", lambda s, w: np.tanh(s.certain_speed / w),
+            [0.01 * fast, 0.06 * fast], (0.002 * fast, 0.3 * fast),
         ),
     ]  # fmt: skip
 
 
-PARTS: Mapping[str, Callable[[Scene], Floats]] = {
-    "the spring": lambda scene: scene.spring,
-    "the friction": lambda scene: scene.friction,
-    "the stiffness": lambda scene: scene.torque - scene.strength,
-    "the friction's strength": lambda scene: scene.strength,
+class Part(NamedTuple):
+    """A part of the joint's torque: how equations call it, and what it is, N·m, shape (n,)."""
+
+    symbol: str
+    of: Callable[[Scene], Floats]
+
+
+PARTS: Mapping[str, Part] = {
+    "the spring": Part("y_spring", lambda scene: scene.spring),
+    "the friction": Part("y_memory", lambda scene: scene.friction),
+    "the stiffness": Part("(y - y_strength)", lambda scene: scene.torque - scene.strength),
+    "the friction's strength": Part("y_strength", lambda scene: scene.strength),
 }
 """What may change inside the joint when not all of its torque does, by name: the elastic curve, all that has memory, the
 slope of both, or the level at which friction slides."""
@@ -223,12 +237,17 @@ def times(laws: Columns, *parts: Callable[[Scene], Floats]) -> Columns:
 
 
 def inside(form: Form, laws: Columns) -> list[Form]:
-    """Forms like ``form``, which scales the whole torque by ``laws`` (n, k), that scale a part of it."""
+    """Forms like ``form``, which scales the whole torque by ``laws`` (n, k), that scale a part of it.
 
+    The equation of ``form`` ends in that torque, ``y``.
+    """
     return [
-        replace(form, name=f"{form.name}, of {name}", columns=times(laws, part), grid=form.grid[::2])
+        replace(
+            form, name=f"{form.name}, of {name}", columns=times(laws, part.of), grid=form.grid[::2],
+            equation=form.equation.removesuffix("y") + part.symbol,
+        )
         for name, part in PARTS.items()
-    ]
+    ]  # fmt: skip
 
 
 PRESLIDING = (

@@ -55,19 +55,24 @@ class CoulombFriction(Effect):
         elastic = next(law for law in laws if law.parameter == "elastic_presliding")
         made = [
             Form(law.name, ("friction",), _columns(law), (0.0,), (np.inf,), (law.parameter,),
-                 [(value,) for value in law.grid], [law.limits])
+                 [(value,) for value in law.grid], [law.limits], equation=f"y += friction * {law.equation}")
             for law in laws
         ]  # fmt: skip
         two = Form(
             "two contacts", ("friction", "friction_2"), _two_sliders, (0.0, 0.0), (np.inf, np.inf),
             ("elastic_presliding", "elastic_presliding_2"),
             (), [elastic.limits] * 2, (elastic.name,), lambda shape, coefficients: (0.5 * shape[0], 2.0 * shape[0]),
+            equation="y += friction * slip(x, elastic_presliding) + friction_2 * slip(x, elastic_presliding_2)",
         )  # fmt: skip
         unequal = [
             Form(f"{law.name}, unequal", ("friction",), _unequal(law), (0.0,), (np.inf,), (law.parameter, "inequality"), (),
-                 [law.limits, (-0.2, 0.2)], (law.name,), lambda shape, _: (*shape, 0.02))
+                 [law.limits, (-0.2, 0.2)], (law.name,), lambda shape, _: (*shape, 0.02),
+                 equation=f"y += friction * ({law.equation} + inequality * abs({law.equation}))")
             for law in laws
         ]  # fmt: skip
         steep = next(form for form in made if form.shapes == ("transition_speed",))
-        flat = replace(steep, name="regularised by arctan", columns=_arctan)
+        flat = replace(
+            steep, name="regularised by arctan", columns=_arctan,
+            equation="y += friction * arctan(v / transition_speed) * 2 / pi",
+        )  # fmt: skip
         return [*made, flat, two, *unequal, *overdone_friction(made)]

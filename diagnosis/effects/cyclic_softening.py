@@ -96,28 +96,31 @@ class CyclicSoftening(Effect):
         lengths = [(t,) for t in geometric(0.04 * total, 1.5 * total, 7)]
         # Softening that is over within a thirtieth of the recording could not be told from a gain.
         limits = [(0.03 * total, 3.0 * total)]
-        laws: list[tuple[str, Worn, float, Sequence[str], Sequence[tuple[float, ...]], Sequence[tuple[float, float]]]] = [
-            ("linear", _linear, 1.0 / max(total, 1e-300), (), [()], []),
-            ("exponential", _exponential(_travel), 1.0, ("travel_constant",), lengths, limits),
-            ("hyperbolic", _hyperbolic, 1.0, ("travel_constant",), lengths, limits),
-            ("logarithm", _logarithm(_travel), 1.0, ("travel_constant",), lengths[1::2], limits),
-            ("power of travel", _power, np.inf, ("power",), [(0.5,), (0.75,)], [(0.3, 0.95)]),
-            ("by work", _exponential(_work), 1.0, ("work_constant",), [(share * work,) for share in (0.1, 0.4, 1.5)],
-             [(0.03 * work, 3.0 * work)]),
+        laws: list[tuple[str, str, Worn, float, Sequence[str], Sequence[tuple[float, ...]], Sequence[tuple[float, float]]]] = [
+            ("linear", "travel", _linear, 1.0 / max(total, 1e-300), (), [()], []),
+            ("exponential", "(1 - exp(-travel / travel_constant))", _exponential(_travel), 1.0, ("travel_constant",), lengths, limits),
+            ("hyperbolic", "travel / (travel_constant + travel)", _hyperbolic, 1.0, ("travel_constant",), lengths, limits),
+            ("logarithm", "log(1 + travel / travel_constant)", _logarithm(_travel), 1.0, ("travel_constant",), lengths[1::2], limits),
+            ("power of travel", "travel**power", _power, np.inf, ("power",), [(0.5,), (0.75,)], [(0.3, 0.95)]),
+            ("by work", "(1 - exp(-work / work_constant))", _exponential(_work), 1.0, ("work_constant",),
+             [(share * work,) for share in (0.1, 0.4, 1.5)], [(0.03 * work, 3.0 * work)]),
         ]  # fmt: skip
         losses = float(_losses(scene).max())
         if losses > 0.0:
-            laws.append(("by losses", _exponential(_losses), 1.0, ("loss_constant",), [(share * losses,) for share in (0.2, 0.8, 3.0)],
-                         [(0.03 * losses, 5.0 * losses)]))  # fmt: skip
+            laws.append(("by losses", "(1 - exp(-losses / loss_constant))", _exponential(_losses), 1.0, ("loss_constant",),
+                         [(share * losses,) for share in (0.2, 0.8, 3.0)], [(0.03 * losses, 5.0 * losses)]))  # fmt: skip
         if turns >= FEWEST:
             numbers = [(share * turns,) for share in (0.1, 0.3, 1.0)]
             ends = [(0.03 * turns, 3.0 * turns)]
             laws += [
-                ("by reversals", _exponential(_reversals), 1.0, ("reversals_constant",), numbers, ends),
-                ("logarithm of reversals", _logarithm(_reversals), 1.0, ("reversals_constant",), numbers, ends),
-            ]
+                ("by reversals", "(1 - exp(-reversals / reversals_constant))", _exponential(_reversals), 1.0,
+                 ("reversals_constant",), numbers, ends),
+                ("logarithm of reversals", "log(1 + reversals / reversals_constant)", _logarithm(_reversals), 1.0,
+                 ("reversals_constant",), numbers, ends),
+            ]  # fmt: skip
         made = []
-        for name, worn, most, shapes, grid, bounds in laws:
-            form = Form(name, ("softening",), _lost(worn), (0.0,), (most,), shapes, grid, bounds)
+        for name, equation, worn, most, shapes, grid, bounds in laws:
+            form = Form(name, ("softening",), _lost(worn), (0.0,), (most,), shapes, grid, bounds,
+                        equation=f"y -= softening * {equation} * y")  # fmt: skip
             made += [form, *(inside(form, _column(worn)) if shapes else ())]
         return made

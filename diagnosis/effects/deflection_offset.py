@@ -26,7 +26,9 @@ class DeflectionOffset(Effect):
     equation: ClassVar[str] = "x → x + d, or only in the elastic part of y_sim"
     coordinate: ClassVar[str] = "position"
     acts_on: ClassVar[str] = INPUT
-    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("offset", "rad", -1.0, 1.0, "d"),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("offset", "rad", -1.0, 1.0, "d, what the simulator's deflection lacks"),
+    )
     confused_with: ClassVar[tuple[str, ...]] = ("torque_offset", "stiffness_asymmetry")
 
     def forms(self, scene: Scene) -> list[Form]:
@@ -37,8 +39,10 @@ class DeflectionOffset(Effect):
             near, far = sign * 3e-4 * reach, sign * 0.3 * reach
             limits = [(min(near, far), max(near, far))]
             made += [
-                Form(told, ("_unit",), _columns, (1.0,), (1.0,), ("offset",), grid, limits),
+                Form(told, ("_unit",), _columns, (1.0,), (1.0,), ("offset",), grid, limits,
+                     equation="x = x + offset"),
                 # A spring hung in with a preload, or friction that has settled there, knows nothing of the shift.
-                Form(f"{told}, of the spring", ("_unit",), _of_spring, (1.0,), (1.0,), ("offset",), grid, limits),
-            ]
+                Form(f"{told}, of the spring", ("_unit",), _of_spring, (1.0,), (1.0,), ("offset",), grid, limits,
+                     equation="x = x + offset, in the elastic part alone"),
+            ]  # fmt: skip
         return made

@@ -59,6 +59,20 @@ def _of_true_angle(home: str = "") -> Columns:
     return columns
 
 
+def _equation(harmonics: int, home: str, of: str = "x") -> str:
+    """The equation of a periodic error of the measured angle x or of the true one, z."""
+
+    def wave(number: str, times: str) -> str:
+        cosine = f"cos({times}periods * {of})"
+        cosine = f"({cosine} - 1)" if home else cosine
+        return f"error_sin{number} * sin({times}periods * {of}) + error_cos{number} * {cosine}"
+
+    waves = [wave("", ""), wave("_2", "2 * ")][:harmonics]
+    equation = f"x = x + {' + '.join(waves)}" if of == "x" else f"x = z,  z = x + {' + '.join(waves)}"
+    more = " + ".join(SIZES[1 : 2 * harmonics : 2])
+    return f"{equation}, and {more} more in the elastic part" if home == SETTLED else equation
+
+
 def _from_sine(shape: tuple[float, ...], coefficients: Floats) -> tuple[float, ...]:
     return (*shape, float(coefficients[0]), float(coefficients[1]))
 
@@ -79,10 +93,10 @@ class EncoderEccentricity(Effect):
     coordinate: ClassVar[str] = "position"
     acts_on: ClassVar[str] = INPUT
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("error_sin", "rad", -np.inf, np.inf, "p"),
-        Parameter("error_cos", "rad", -np.inf, np.inf, "q"),
-        Parameter("error_sin_2", "rad", -np.inf, np.inf, "p2, second harmonic"),
-        Parameter("error_cos_2", "rad", -np.inf, np.inf, "q2, second harmonic"),
+        Parameter("error_sin", "rad", -np.inf, np.inf, "p, sine part of the error"),
+        Parameter("error_cos", "rad", -np.inf, np.inf, "q, cosine part"),
+        Parameter("error_sin_2", "rad", -np.inf, np.inf, "p2, sine part of its second harmonic"),
+        Parameter("error_cos_2", "rad", -np.inf, np.inf, "q2, cosine part of it"),
         Parameter("periods", "1/rad·2π", 0.0, np.inf, "N, periods a turn"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("deflection_offset", "torque_gain", "miscalibration")
@@ -106,13 +120,14 @@ class EncoderEccentricity(Effect):
             told = f", {home}" if home else ""
             sine = f"sine{told}"
             made += [
-                Form(sine, SIZES[:2], _columns(1, home), *small, ("periods",), grid, [span]),
+                Form(sine, SIZES[:2], _columns(1, home), *small, ("periods",), grid, [span], equation=_equation(1, home)),
                 # The error is a function of the true angle: as one of the measured angle it has harmonics.
                 Form(f"sine of the true angle{told}", unit[0], _of_true_angle(home), *unit[1:], ("periods", *SIZES[:2]), (),
-                     [span, *[size] * 2], (sine,), _from_sine),
+                     [span, *[size] * 2], (sine,), _from_sine, equation=_equation(1, home, "z")),
                 Form(f"two harmonics of the true angle{told}", unit[0], _of_true_angle(home), *unit[1:],
-                     ("periods", *SIZES), (), [span, *[size] * 4], (sine,), _from_sine_twice),
+                     ("periods", *SIZES), (), [span, *[size] * 4], (sine,), _from_sine_twice,
+                     equation=_equation(2, home, "z")),
                 Form(f"two harmonics{told}", SIZES, _columns(2, home), (-wide,) * 4, (wide,) * 4, ("periods",), (), [span],
-                     (sine,)),
+                     (sine,), equation=_equation(2, home)),
             ]  # fmt: skip
         return made

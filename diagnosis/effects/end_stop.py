@@ -61,8 +61,27 @@ def _progressive(depth: Floats, thickness: float) -> Floats:
     return np.expm1(np.minimum(depth / thickness, 50.0))
 
 
-BUMPERS = (("bumper", _rubber, 0.7), ("exponential", _progressive, 0.2))
-"""Stops that stiffen as they are pressed, with the thickness to start from as a share of the reach."""
+BUMPERS = (
+    ("bumper", "{depth} / maximum(1 - {depth} / thickness, 0.02)", _rubber, 0.7),
+    ("exponential", "(exp({depth} / thickness) - 1)", _progressive, 0.2),
+)
+"""Stops that stiffen as they are pressed: their equation, and the thickness to start from as a share of the reach."""
+DEPTHS = {"upper": "maximum(x - upper, 0)", "lower": "maximum(-x - lower, 0)"}
+"""How deep each stop is pressed, in equations."""
+
+
+def _term(side: str, power: float) -> str:
+    return f"stiffness_{side} * {DEPTHS[side]}" + ("" if power == 1.0 else f"**{power:g}")
+
+
+def _lossy(side: str, power: float, damping: str) -> str:
+    touched = f"({DEPTHS[side]} > 0)" if power == 1.0 else f"{DEPTHS[side]}**{power:g}"
+    return f"{'-' * (side == 'lower')}{_term(side, power)} + {damping} * v * {touched}"
+
+
+def _pressed(sides: Sequence[str], equation: str) -> str:
+    first, *others = (f"stiffness_{side} * {equation.format(depth=DEPTHS[side])}" for side in sides)
+    return f"y {'-' if sides[0] == 'lower' else '+'}= {first}" + "".join(f" - {other}" for other in others)
 
 
 def _bumper(sides: Sequence[str], law: Callable[[Floats, float], Floats]) -> Columns:
@@ -123,30 +142,34 @@ class EndStop(Effect):
         for power, told in ((1.0, ""), (1.5, ", Hertz")):
             made += [
                 Form(f"upper{told}", ("stiffness_upper",), _columns(True, False, power), (0.0,), (np.inf,), ("upper",),
-                     [(a,) for a in up], [top]),
+                     [(a,) for a in up], [top], equation=f"y += {_term('upper', power)}"),
                 Form(f"lower{told}", ("stiffness_lower",), _columns(False, True, power), (0.0,), (np.inf,), ("lower",),
-                     [(a,) for a in down], [bottom]),
+                     [(a,) for a in down], [bottom], equation=f"y -= {_term('lower', power)}"),
                 Form(f"both{told}", ("stiffness_upper", "stiffness_lower"), _columns(True, True, power), (0.0, 0.0),
-                     (np.inf, np.inf), ("upper", "lower"), list(zip(up, down, strict=True)), [top, bottom]),
+                     (np.inf, np.inf), ("upper", "lower"), list(zip(up, down, strict=True)), [top, bottom],
+                     equation=f"y += {_term('upper', power)} - {_term('lower', power)}"),
             ]  # fmt: skip
         for side, told, limits in ((1.0, "upper", top), (-1.0, "lower", bottom)):
             names = (f"stiffness_{told}", "damping")
             free = (0.0, 0.0), (np.inf, np.inf), (told,), (), [limits]
             made += [
-                Form(f"{told}, damped", names, _damped(side, None), *free, (told,)),
-                Form(f"{told}, Hunt-Crossley", names, _damped(side, 1.5), *free, (f"{told}, Hertz",)),
+                Form(f"{told}, damped", names, _damped(side, None), *free, (told,),
+                     equation=f"y += {_lossy(told, 1.0, 'damping')}"),
+                Form(f"{told}, Hunt-Crossley", names, _damped(side, 1.5), *free, (f"{told}, Hertz",),
+                     equation=f"y += {_lossy(told, 1.5, 'damping')}"),
             ]  # fmt: skip
-        for kind, law, share in BUMPERS:
+        for kind, equation, law, share in BUMPERS:
             for sides, ends in ((("upper",), [top]), (("lower",), [bottom]), (("upper", "lower"), [top, bottom])):
                 told = "both" if len(sides) > 1 else sides[0]
                 made.append(
                     Form(f"{told}, {kind}", [f"stiffness_{side}" for side in sides], _bumper(sides, law), (0.0,) * len(sides),
                          (np.inf,) * len(sides), (*sides, "thickness"), (), [*ends, (0.03 * reach, 3.0 * reach)],
-                         (told, f"{told}, Hertz"), _thick(share * reach))
+                         (told, f"{told}, Hertz"), _thick(share * reach), equation=_pressed(sides, equation))
                 )  # fmt: skip
         for power, told, simple in ((1.0, "both, damped", "both"), (1.5, "both, Hunt-Crossley", "both, Hertz")):
             made.append(
                 Form(told, ("stiffness_upper", "stiffness_lower", "damping", "damping_lower"), _both_damped(power), (0.0,) * 4,
-                     (np.inf,) * 4, ("upper", "lower"), (), [top, bottom], (simple,))
+                     (np.inf,) * 4, ("upper", "lower"), (), [top, bottom], (simple,),
+                     equation=f"y += {_lossy('upper', power, 'damping')} + {_lossy('lower', power, 'damping_lower')}")
             )  # fmt: skip
         return made

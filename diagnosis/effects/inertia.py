@@ -61,12 +61,13 @@ class Inertia(Effect):
         # Within the motion's band it would be a resonance, which is another matter; faster than sampled, it is rigid.
         swings = (2.0 * acceleration / max(speed, 1e-300), 0.7 / step)
         free = (0.0,), (np.inf,)
-        rigid = Form("rigid", ("inertia",), _columns, *free)
+        rigid = Form("rigid", ("inertia",), _columns, *free, equation="y += inertia * a")
         return [
             rigid,
             overdone(rigid),
             Form("behind a shaft", ("inertia",), _behind_shaft, *free, ("shaft_lag",), (), [(0.02 * step, longest)], ("rigid",),
-                 lambda shape, coefficients: (min(step, 0.5 * longest),)),
+                 lambda shape, coefficients: (min(step, 0.5 * longest),), equation="y += inertia * late(a, shaft_lag)"),
             Form("behind a compliant transmission", ("inertia",), _on_spring, *free, ("natural_frequency", "damping_ratio"),
-                 [(w, d) for w in geometric(*swings, 10) for d in (0.04, 0.2)], [swings, (0.005, 0.3)]),
+                 [(w, d) for w in geometric(*swings, 10) for d in (0.04, 0.2)], [swings, (0.005, 0.3)],
+                 equation="y += inertia * resonator(a, natural_frequency, damping_ratio)"),
         ]  # fmt: skip

@@ -74,15 +74,16 @@ class LoadDependentFriction(Effect):
     confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "miscalibration")
 
     def forms(self, scene: Scene) -> list[Form]:
-        loads: dict[str, Callable[[Scene], Floats]] = {"torque": lambda scene: scene.torque}
+        loads: dict[str, tuple[str, Callable[[Scene], Floats]]] = {"torque": ("y", lambda scene: scene.torque)}
         for name, values in scene.signals.channels.items():
             if any(word in name.lower() for word in LOAD_WORDS) and np.ptp(values) > 0.05 * np.max(np.abs(values)):
-                loads[name] = _measured(name)
+                loads[name] = name, _measured(name)
         laws = direction_laws(scene)
         made = [
             Form(f"by {name}, {law.name}", ("friction_coefficient",), _columns(law, load), (0.0,), (np.inf,),
-                 (law.parameter,), [(value,) for value in law.grid], [law.limits])
-            for name, load in loads.items()
+                 (law.parameter,), [(value,) for value in law.grid], [law.limits],
+                 equation=f"y += friction_coefficient * abs({symbol}) * {law.equation}")
+            for name, (symbol, load) in loads.items()
             for law in laws
         ]  # fmt: skip
         less = overdone_friction(made)
@@ -90,10 +91,16 @@ class LoadDependentFriction(Effect):
             simple = (f"by torque, {law.name}",)
             made += [
                 Form(f"by torque, driving and driven, {law.name}", ("friction_coefficient", "friction_coefficient_back"),
-                     _efficiency(law), (0.0,) * 2, (np.inf,) * 2, (law.parameter,), (), [law.limits], simple),
+                     _efficiency(law), (0.0,) * 2, (np.inf,) * 2, (law.parameter,), (), [law.limits], simple,
+                     equation="y += where(y * s > 0, friction_coefficient, friction_coefficient_back) * abs(y) * s,  "
+                     f"s = {law.equation}"),
                 Form(f"by a power of torque, {law.name}", ("friction_coefficient",), _degressive(law), (0.0,), (np.inf,),
-                     (law.parameter, "power"), (), [law.limits, (0.4, 1.0)], simple, lambda shape, _: (*shape, 0.8)),
+                     (law.parameter, "power"), (), [law.limits, (0.4, 1.0)], simple, lambda shape, _: (*shape, 0.8),
+                     equation=f"y += friction_coefficient * abs(y)**power * {law.equation}"),
                 Form(f"by elastic torque, {law.name}", ("friction_coefficient",), _columns(law, lambda scene: scene.spring), (0.0,), (np.inf,),
-                     (law.parameter,), (), [law.limits], simple),
+                     (law.parameter,), (), [law.limits], simple,
+                     equation=f"y += friction_coefficient * abs(y_spring) * {law.equation}"),
             ]  # fmt: skip
-        return [*made, *less, Form("inside the joint", ("strength_gain",), _inside, (0.0,), (np.inf,))]
+        inside = Form("inside the joint", ("strength_gain",), _inside, (0.0,), (np.inf,),
+                      equation="y += strength_gain * abs(y_spring) / max(abs(y_spring)) * y_strength")  # fmt: skip
+        return [*made, *less, inside]

@@ -52,15 +52,17 @@ class SensorDelay(Effect):
         high = max(25.0 * step, 0.35 * float(np.std(scene.signals.smooth_x)) / max(speed, 1e-300))
         high = min(high, 0.1 * float(scene.signals.elapsed.max()))
         grid = geometric(0.1 * step, 0.7 * high, 9)
+        late = "y = late(y, delay)"
         return [
-            Form("late", ("_unit",), _delay, (1.0,), (1.0,), ("delay",), [(t,) for t in grid], [(0.02 * step, high)]),
-            Form(
-                "early", ("_unit",), _delay, (1.0,), (1.0,), ("delay",), [(-t,) for t in grid], [(-high, -0.02 * step)]
-            ),
+            Form("late", ("_unit",), _delay, (1.0,), (1.0,), ("delay",), [(t,) for t in grid], [(0.02 * step, high)],
+                 equation=late),
+            Form("early", ("_unit",), _delay, (1.0,), (1.0,), ("delay",), [(-t,) for t in grid], [(-high, -0.02 * step)],
+                 equation=late),
             Form("second-order filter", ("_unit",), _lag_twice, (1.0,), (1.0,), ("lag",), [(0.5 * t,) for t in grid[1::2]],
-                 [(0.02 * step, high)]),
-            Form("filter", ("_unit",), _lag, (1.0,), (1.0,), ("lag",), [(t,) for t in grid], [(0.02 * step, high)]),
+                 [(0.02 * step, high)], equation="y = lowpass(lowpass(y, lag), lag)"),
+            Form("filter", ("_unit",), _lag, (1.0,), (1.0,), ("lag",), [(t,) for t in grid], [(0.02 * step, high)],
+                 equation="y = lowpass(y, lag)"),
             Form("late and filtered", ("_unit",), _late_and_filtered, (1.0,), (1.0,), ("delay", "lag"), (),
                  [(0.01 * step, high), (0.01 * step, high)], ("late", "filter", "second-order filter"),
-                 lambda shape, _: (0.5 * shape[0], 0.5 * shape[0])),
+                 lambda shape, _: (0.5 * shape[0], 0.5 * shape[0]), equation="y = lowpass(late(y, delay), lag)"),
         ]  # fmt: skip

@@ -100,26 +100,39 @@ class StiffnessAsymmetry(Effect):
         reach = scene.signals.reach
         knee = [(1e-3 * reach, 0.3 * reach)]
         made = [
-            Form("positive torque", ("extra_gain",), _torque, *gain),
-            Form("negative torque", ("extra_gain",), _torque_lower, *gain),
-            Form("opposed by the sign of torque", ("extra_gain",), _torque_opposed, *gain),
-            Form("quadratic", ("extra_stiffness_slope",), _quadratic, *free),
+            Form("positive torque", ("extra_gain",), _torque, *gain, equation="y += extra_gain * maximum(y, 0)"),
+            Form("negative torque", ("extra_gain",), _torque_lower, *gain, equation="y += extra_gain * minimum(y, 0)"),
+            Form(
+                "opposed by the sign of torque",
+                ("extra_gain",),
+                _torque_opposed,
+                *gain,
+                equation="y += extra_gain * abs(y)",
+            ),
+            Form(
+                "quadratic", ("extra_stiffness_slope",), _quadratic, *free, equation="y += extra_stiffness_slope * x**2"
+            ),
         ]
-        for what, part, name, bounds in (
-            ("spring", _deflection, "extra_stiffness", free),
-            ("torque", _whole, "extra_gain", gain),
-            ("elastic torque", _elastic, "extra_gain", gain),
+        for what, symbol, part, name, bounds in (
+            ("spring", "x", _deflection, "extra_stiffness", free),
+            ("torque", "y", _whole, "extra_gain", gain),
+            ("elastic torque", "y_spring", _elastic, "extra_gain", gain),
         ):
-            for side, told in ((1.0, "upper side"), (-1.0, "lower side"), (0.0, "both sides")):
+            for side, told, sharply, roundly in (
+                (1.0, "upper side", "(x > 0)", "(1 + tanh(x / knee)) / 2"),
+                (-1.0, "lower side", "(x < 0)", "(1 - tanh(x / knee)) / 2"),
+                (0.0, "both sides", "sign(x)", "tanh(x / knee)"),
+            ):
                 sharp = f"{what}, {told}"
                 made += [
-                    Form(sharp, (name,), _sided(side, part), *bounds),
+                    Form(sharp, (name,), _sided(side, part), *bounds, equation=f"y += {name} * {symbol} * {sharply}"),
                     Form(f"{sharp}, rounded", (name,), _rounded(side, part), *bounds, ("knee",), (), knee, (sharp,),
-                         lambda shape, coefficients: (0.03 * reach,)),
+                         lambda shape, coefficients: (0.03 * reach,), equation=f"y += {name} * {symbol} * {roundly}"),
                 ]  # fmt: skip
                 if what == "torque" and side != 0.0:
                     made.append(
                         Form(f"stiffness, {told}", ("_unit",), _stretched(side), (1.0,), (1.0,), ("extra_stretch",), (),
-                             [(-0.6, 1.5)], (sharp, f"elastic {sharp}"), lambda shape, coefficients: (float(coefficients[0]),))
+                             [(-0.6, 1.5)], (sharp, f"elastic {sharp}"), lambda shape, coefficients: (float(coefficients[0]),),
+                             equation=f"x = x + extra_stretch * {'maximum' if side > 0.0 else 'minimum'}(x, 0)")
                     )  # fmt: skip
         return made

@@ -30,6 +30,15 @@ def _missing(part: Callable[[Scene], Floats]) -> Columns:
     return lambda scene, shape: np.column_stack([-scene.signals.lowpass(part(scene), tau) for tau in shape])
 
 
+def _equation(part: str, *branches: tuple[str, str]) -> str:
+    """Of branches with so large a share or stiffness and such a time constant."""
+    return "y += " + " + ".join(f"{size} * ({part} - lowpass({part}, {constant}))" for size, constant in branches)
+
+
+def _equation_down(part: str, *branches: tuple[str, str]) -> str:
+    return "y -= " + " + ".join(f"{size} * lowpass({part}, {constant})" for size, constant in branches)
+
+
 def _spectrum(branches: Columns) -> Columns:
     """Three branches whose time constants are as 1 : 4 : 16."""
     return lambda scene, shape: branches(scene, (shape[0], 4.0 * shape[0], 16.0 * shape[0]))
@@ -78,35 +87,46 @@ class StressRelaxation(Effect):
         free = (0.0,), (np.inf,)
         limits = (low, 1.2 * high)
 
-        def branches(name: str, law: Columns, simpler: str) -> Form:
+        def two(size: str) -> list[tuple[str, str]]:
+            return [(size, "time_constant"), (f"{size}_2", "time_constant_2")]
+
+        def three(size: str) -> list[tuple[str, str]]:
+            return [(size, "time_constant"), (f"{size}_2", "4 * time_constant"), (f"{size}_3", "16 * time_constant")]
+
+        def branches(name: str, law: Columns, simpler: str, equation: str) -> Form:
             return Form(
                 name, ("share", "share_2"), law, (0.0,) * 2, (np.inf,) * 2, ("time_constant", "time_constant_2"), (),
                 [limits, limits], (simpler,), lambda shape, _: (max(0.4 * shape[0], low), min(2.5 * shape[0], high)),
+                equation=equation,
             )  # fmt: skip
 
-        def spectrum(name: str, law: Columns, simpler: str) -> Form:
+        def spectrum(name: str, law: Columns, simpler: str, equation: str) -> Form:
             return Form(
                 name, ("share", "share_2", "share_3"), _spectrum(law), (0.0,) * 3, (np.inf,) * 3, ("time_constant",), (),
-                [limits], (simpler,), lambda shape, _: (max(0.25 * shape[0], low),),
+                [limits], (simpler,), lambda shape, _: (max(0.25 * shape[0], low),), equation=equation,
             )  # fmt: skip
 
+        one = (("time_constant",),)
         pairs = [(a, b) for a in times[::2] for b in times[1::2] if b > 4.0 * a]
         return [
-            Form("one branch", ("stiffness",), _of_deflection, *free, ("time_constant",), [(t,) for t in times], [limits]),
-            Form("of the torque", ("share",), _of_torque, *free, ("time_constant",), [(t,) for t in times], [limits]),
-            Form("from the torque down", ("share",), _creep, *free, ("time_constant",), [(t,) for t in times[::2]], [limits]),
+            Form("one branch", ("stiffness",), _of_deflection, *free, *one, [(t,) for t in times], [limits],
+                 equation=_equation("x", two("stiffness")[0])),
+            Form("of the torque", ("share",), _of_torque, *free, *one, [(t,) for t in times], [limits],
+                 equation=_equation("y", two("share")[0])),
+            Form("from the torque down", ("share",), _creep, *free, *one, [(t,) for t in times[::2]], [limits],
+                 equation=_equation_down("y", two("share")[0])),
             Form("two branches", ("stiffness", "stiffness_2"), _of_deflection, (0.0, 0.0), (np.inf, np.inf),
-                 ("time_constant", "time_constant_2"), pairs, [limits, limits]),
+                 ("time_constant", "time_constant_2"), pairs, [limits, limits], equation=_equation("x", *two("stiffness"))),
             Form("spectrum", ("stiffness", "stiffness_2", "stiffness_3"), _spectrum(_of_deflection), (0.0,) * 3, (np.inf,) * 3,
-                 ("time_constant",), [(t,) for t in times[:7]], [limits]),
-            Form("from the spring down", ("share",), _creep_of_spring, *free, ("time_constant",), [(t,) for t in times[::2]],
-                 [limits]),
-            branches("from the torque down, two branches", _creep, "from the torque down"),
-            spectrum("from the torque down, spectrum", _creep, "from the torque down"),
-            branches("from the spring down, two branches", _creep_of_spring, "from the spring down"),
-            spectrum("from the spring down, spectrum", _creep_of_spring, "from the spring down"),
-            branches("two branches of the torque", _of_torque, "of the torque"),
-            branches("two branches of the spring", _of_spring, "of the torque"),
-            spectrum("spectrum of the torque", _of_torque, "of the torque"),
-            spectrum("spectrum of the spring", _of_spring, "of the torque"),
+                 *one, [(t,) for t in times[:7]], [limits], equation=_equation("x", *three("stiffness"))),
+            Form("from the spring down", ("share",), _creep_of_spring, *free, *one, [(t,) for t in times[::2]], [limits],
+                 equation=_equation_down("y_spring", two("share")[0])),
+            branches("from the torque down, two branches", _creep, "from the torque down", _equation_down("y", *two("share"))),
+            spectrum("from the torque down, spectrum", _creep, "from the torque down", _equation_down("y", *three("share"))),
+            branches("from the spring down, two branches", _creep_of_spring, "from the spring down", _equation_down("y_spring", *two("share"))),
+            spectrum("from the spring down, spectrum", _creep_of_spring, "from the spring down", _equation_down("y_spring", *three("share"))),
+            branches("two branches of the torque", _of_torque, "of the torque", _equation("y", *two("share"))),
+            branches("two branches of the spring", _of_spring, "of the torque", _equation("y_spring", *two("share"))),
+            spectrum("spectrum of the torque", _of_torque, "of the torque", _equation("y", *three("share"))),
+            spectrum("spectrum of the spring", _of_spring, "of the torque", _equation("y_spring", *three("share"))),
         ]  # fmt: skip

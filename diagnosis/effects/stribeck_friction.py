@@ -33,7 +33,16 @@ def _own_friction(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return (scene.friction * _gaussian(scene.signals.speed / shape[0]))[:, None]
 
 
-CURVES = (("p = 2", _gaussian), ("p = 1", _exponential), ("Hess-Soom", _lorentzian))
+CURVES = (
+    ("p = 2", "exp(-(v / stribeck_speed)**2)", _gaussian),
+    ("p = 1", "exp(-abs(v) / stribeck_speed)", _exponential),
+    ("Hess-Soom", "1 / (1 + (v / stribeck_speed)**2)", _lorentzian),
+)
+"""How the excess falls with speed: what it is called, its equation and itself."""
+
+
+def _equation(curve: str, law: DirectionLaw) -> str:
+    return f"y += (friction + breakaway_excess * {curve}) * {law.equation}"
 
 
 def _columns(law: DirectionLaw, curve: Callable[[Floats], Floats]) -> Callable[[Scene, tuple[float, ...]], Floats]:
@@ -90,8 +99,8 @@ class StribeckFriction(Effect):
         made = [
             Form(f"{told}, {law.name}", ("friction", "breakaway_excess"), _columns(law, curve), (0.0, 0.0),
                  (np.inf, np.inf), ("stribeck_speed", law.parameter), [(w, d) for w in speeds for d in law.grid[:2]],
-                 [(0.02 * fast, 2.0 * fast), law.limits])
-            for told, curve in CURVES
+                 [(0.02 * fast, 2.0 * fast), law.limits], equation=_equation(equation, law))
+            for told, equation, curve in CURVES
             for law in laws
         ]  # fmt: skip
         # The bristle of LuGre follows the Stribeck curve by its own dynamics (Canudas de Wit et al. 1995).
@@ -100,12 +109,15 @@ class StribeckFriction(Effect):
             (),
             [(0.02 * fast, 2.0 * fast), laws[0].limits, (0.01, 10.0)],
             tuple(f"{CURVES[0][0]}, {law.name}" for law in laws[:2]), _from_curve,
+            equation=f"y += friction * dahl(x, presliding, 1 + excess_ratio * {CURVES[0][1]})",
         )  # fmt: skip
         blunt = [
             Form(f"p = 1/2, {law.name}", ("friction", "breakaway_excess"), _columns(law, _blunt), (0.0, 0.0), (np.inf, np.inf),
-                 ("stribeck_speed", law.parameter), (), [(0.005 * fast, 2.0 * fast), law.limits], (f"p = 1, {law.name}",))
+                 ("stribeck_speed", law.parameter), (), [(0.005 * fast, 2.0 * fast), law.limits], (f"p = 1, {law.name}",),
+                 equation=_equation("exp(-sqrt(abs(v) / stribeck_speed))", law))
             for law in laws
         ]  # fmt: skip
         own = Form("of the joint's own friction", ("rise",), _own_friction, (0.0,), (np.inf,), ("stribeck_speed",),
-                   [(w,) for w in speeds], [(0.02 * fast, 2.0 * fast)])  # fmt: skip
+                   [(w,) for w in speeds], [(0.02 * fast, 2.0 * fast)],
+                   equation=f"y += rise * {CURVES[0][1]} * y_memory")  # fmt: skip
         return [*made, *blunt, lugre, own]

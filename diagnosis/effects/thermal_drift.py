@@ -60,8 +60,18 @@ def _zero(scene: Scene) -> Floats:
     return np.ones_like(scene.torque)
 
 
+EXPONENTIAL = "(1 - exp(-t / time_constant))"
+HEATED, RUBBED = "heat(y * v, time_constant)", "heat(y_memory * v, time_constant)"
+"""Warming in equations: in time, by what the drive puts in, by losses."""
+
+
+def _slow_wave(name: str) -> str:
+    return f"{name} * sin(2 * pi * t / period) + {name}_cos * (cos(2 * pi * t / period) - 1)"
+
+
 def _form(
     name: str,
+    equation: str,
     coefficients: tuple[str, ...],
     columns: Columns,
     shapes: Sequence[str] = (),
@@ -70,7 +80,8 @@ def _form(
 ) -> Form:
     """A law that may drift either way."""
     count = len(coefficients)
-    return Form(name, coefficients, columns, (-np.inf,) * count, (np.inf,) * count, shapes, grid, limits)
+    free = (-np.inf,) * count, (np.inf,) * count
+    return Form(name, coefficients, columns, *free, shapes, grid, limits, equation=f"y += {equation}")
 
 
 class ThermalDrift(Effect):
@@ -105,42 +116,68 @@ class ThermalDrift(Effect):
         limits = [(0.03 * span, 3.0 * span)]
         zero, stiffness = ("zero_drift",), ("stiffness_drift",)
         # Spring and grease warm up together, but not alike.
-        each, both = ("spring_drift", "friction_drift"), (PARTS["the spring"], PARTS["the friction"])
+        each, both = ("spring_drift", "friction_drift"), (PARTS["the spring"].of, PARTS["the friction"].of)
         waves = ("period",), [(share * span,) for share in (0.6, 1.2, 2.4)], [(0.5 * span, 4.0 * span)]
         warming = ("time_constant",), constants, limits
         heating = ("time_constant",), constants[1::2], limits
         # What heats all the time and has soon settled would be an offset.
         slowly = ("time_constant",), [(t,) for t in geometric(0.2 * span, 1.2 * span, 3)], [(0.12 * span, 3.0 * span)]
-        heated = _form("stiffness, self-heating", stiffness, times(_self_heating, _torque), *heating)
-        warmed = _form("stiffness, exponential", stiffness, times(_warming, _torque), *warming)
-        rubbed = _form("stiffness, friction heating", stiffness, times(_friction_heating, _torque), *heating)
-        waved = _form("stiffness, slow wave", (*stiffness, "stiffness_drift_cos"), times(_wave, _torque), *waves)
+        heated = _form(
+            "stiffness, self-heating",
+            f"stiffness_drift * {HEATED} * y",
+            stiffness,
+            times(_self_heating, _torque),
+            *heating,
+        )
+        warmed = _form(
+            "stiffness, exponential",
+            f"stiffness_drift * {EXPONENTIAL} * y",
+            stiffness,
+            times(_warming, _torque),
+            *warming,
+        )
+        rubbed = _form("stiffness, friction heating", f"stiffness_drift * {RUBBED} * y", stiffness,
+                       times(_friction_heating, _torque), *heating)  # fmt: skip
+        waved = _form("stiffness, slow wave", f"({_slow_wave('stiffness_drift')}) * y", (*stiffness, "stiffness_drift_cos"),
+                      times(_wave, _torque), *waves)  # fmt: skip
         made = [
-            _form("zero, linear", zero, _warming),
-            _form("zero, exponential", zero, _warming, *warming),
-            _form("zero, self-heating", zero, _self_heating, *heating),
-            _form("zero, slow wave", (*zero, "zero_drift_cos"), _wave, *waves),
-            _form("zero, self-heating and warming", (*zero, "zero_drift_idle"), _both_heats, *slowly),
+            _form("zero, linear", "zero_drift * t", zero, _warming),
+            _form("zero, exponential", f"zero_drift * {EXPONENTIAL}", zero, _warming, *warming),
+            _form("zero, self-heating", f"zero_drift * {HEATED}", zero, _self_heating, *heating),
+            _form("zero, slow wave", _slow_wave("zero_drift"), (*zero, "zero_drift_cos"), _wave, *waves),
+            _form("zero, self-heating and warming", f"zero_drift * {HEATED} + zero_drift_idle * {EXPONENTIAL}",
+                  (*zero, "zero_drift_idle"), _both_heats, *slowly),
             heated,
-            _form("stiffness, linear", stiffness, times(_warming, _torque)),
+            _form("stiffness, linear", "stiffness_drift * t * y", stiffness, times(_warming, _torque)),
             warmed,
             waved,
-            _form("zero and stiffness, linear", zero + stiffness, times(_warming, _zero, _torque)),
-            _form("zero and stiffness, exponential", zero + stiffness, times(_warming, _zero, _torque), *warming),
-            _form("zero and stiffness, self-heating", zero + stiffness, times(_self_heating, _zero, _torque), *heating),
-            _form("spring and friction, exponential", each, times(_warming, *both), *warming),
-            _form("spring and friction, self-heating", each, times(_self_heating, *both), *heating),
+            _form("zero and stiffness, linear", "zero_drift * t + stiffness_drift * t * y", zero + stiffness,
+                  times(_warming, _zero, _torque)),
+            _form("zero and stiffness, exponential", f"zero_drift * {EXPONENTIAL} + stiffness_drift * {EXPONENTIAL} * y",
+                  zero + stiffness, times(_warming, _zero, _torque), *warming),
+            _form("zero and stiffness, self-heating", f"zero_drift * {HEATED} + stiffness_drift * {HEATED} * y",
+                  zero + stiffness, times(_self_heating, _zero, _torque), *heating),
+            _form("spring and friction, exponential",
+                  f"spring_drift * {EXPONENTIAL} * y_spring + friction_drift * {EXPONENTIAL} * y_memory", each, times(_warming, *both), *warming),
+            _form("spring and friction, self-heating",
+                  f"spring_drift * {HEATED} * y_spring + friction_drift * {HEATED} * y_memory", each, times(_self_heating, *both), *heating),
             *inside(heated, _self_heating),
             rubbed,
             *inside(rubbed, _friction_heating),
             *inside(warmed, _warming),
             *inside(waved, _wave),
-        ]
+        ]  # fmt: skip
         for name, values in s.channels.items():
             if "temp" in name.lower() and np.ptp(values) > 0.0:
-                rise = _channel(name)
-                made.append(_form(f"zero by {name}", zero, rise))
-                by_channel = _form(f"stiffness by {name}", stiffness, times(rise, _torque))
-                made += [by_channel, *inside(by_channel, rise)]
-                made.append(_form(f"zero and stiffness by {name}", zero + stiffness, times(rise, _zero, _torque)))
+                rise, risen = _channel(name), f"rise({name})"
+                by_channel = _form(
+                    f"stiffness by {name}", f"stiffness_drift * {risen} * y", stiffness, times(rise, _torque)
+                )
+                made += [
+                    _form(f"zero by {name}", f"zero_drift * {risen}", zero, rise),
+                    by_channel,
+                    *inside(by_channel, rise),
+                    _form(f"zero and stiffness by {name}", f"zero_drift * {risen} + stiffness_drift * {risen} * y",
+                          zero + stiffness, times(rise, _zero, _torque)),
+                ]  # fmt: skip
         return made

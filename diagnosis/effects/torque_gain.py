@@ -38,7 +38,7 @@ class TorqueGain(Effect):
     def forms(self, scene: Scene) -> list[Form]:
         own = ("gain_error",)
         return [
-            Form("factor", own, _columns, (-1.0,), (1.0,)),
+            Form("factor", own, _columns, (-1.0,), (1.0,), equation="y += gain_error * y"),
             Form("compressed factor", own, _curved, (-1.0,), (1.0,), ("compression",), (), [(-0.4, 0.4)], ("factor",),
-                 lambda shape, coefficients: (0.1,)),
+                 lambda shape, coefficients: (0.1,), equation="y += gain_error * y * (1 - compression * abs(y) / max(abs(y)))"),
         ]  # fmt: skip

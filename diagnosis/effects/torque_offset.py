@@ -36,7 +36,7 @@ class TorqueOffset(Effect):
         Parameter("offset", "N·m", -np.inf, np.inf, "the constant"),
         Parameter("moment", "s", 0.0, np.inf, "at which the zero shifted"),
         Parameter("unsettled", "1", -0.4, 0.4, "q, part that is missing at the start"),
-        Parameter("settling_time", "s", 0.0, np.inf, "τ"),
+        Parameter("settling_time", "s", 0.0, np.inf, "τ, in which the rest comes"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("deflection_offset", "thermal_drift")
 
@@ -46,8 +46,10 @@ class TorqueOffset(Effect):
         # A zero that goes on moving is a drift.
         soon = [(share * span,) for share in (0.01, 0.02, 0.035, 0.05, 0.07, 0.09)]
         return [
-            Form("constant", ("offset",), _columns, *free),
-            Form("shifted soon", ("offset",), _shifted, *free, ("moment",), soon, [(2.0 * s.interval, 0.12 * span)]),
+            Form("constant", ("offset",), _columns, *free, equation="y += offset"),
+            Form("shifted soon", ("offset",), _shifted, *free, ("moment",), soon, [(2.0 * s.interval, 0.12 * span)],
+                 equation="y += offset * (t > moment)"),
             Form("settling", ("offset",), _settling, *free, ("unsettled", "settling_time"), (),
-                 [(-0.4, 0.4), (2.0 * s.interval, 0.15 * span)], ("constant",), lambda shape, _: (0.1, 0.05 * span)),
+                 [(-0.4, 0.4), (2.0 * s.interval, 0.15 * span)], ("constant",), lambda shape, _: (0.1, 0.05 * span),
+                 equation="y += offset * (1 - unsettled * exp(-t / settling_time))"),
         ]  # fmt: skip

@@ -68,16 +68,21 @@ class TorqueSaturation(Effect):
         unit = ("_unit",), (1.0,), (1.0,)
         within = (0.2 * top, 0.99 * top)
         return [
-            Form("hard", unit[0], _hard, unit[1], unit[2], ("limit",), grid, [within]),
+            Form("hard", unit[0], _hard, unit[1], unit[2], ("limit",), grid, [within],
+                 equation="y = clip(y, -limit, limit)"),
             Form("hard, unequal limits", unit[0], _unequal, unit[1], unit[2], ("limit", "limit_below"),
                  [(a * top, b * top) for high, low in UNEQUAL for a, b in ((high, low), (low, high))], [within] * 2,
-                 ("hard",), lambda shape, _: (shape[0], shape[0])),
-            Form("hard, leaking", ("held",), _hard, (0.8,), (1.0,), ("limit",), (), [within], ("hard",)),
+                 ("hard",), lambda shape, _: (shape[0], shape[0]), equation="y = clip(y, -limit_below, limit)"),
+            Form("hard, leaking", ("held",), _hard, (0.8,), (1.0,), ("limit",), (), [within], ("hard",),
+                 equation="y += held * (clip(y, -limit, limit) - y)"),
             Form("soft", unit[0], _soft, unit[1], unit[2], ("limit", "sharpness"),
                  [(f * top, p) for f in (0.6, 0.8, 0.95, 1.15, 1.6) for p in (3.0, 7.0, 16.0)],
-                 [(0.3 * top, 6.0 * top), (1.5, 40.0)]),
+                 [(0.3 * top, 6.0 * top), (1.5, 40.0)],
+                 equation="y = y / (1 + abs(y / limit)**sharpness)**(1 / sharpness)"),
             Form("soft, unequal limits", unit[0], _soft_unequal, unit[1], unit[2], ("limit", "limit_below", "sharpness"),
                  [(a * top, b * top, 8.0) for f in (0.6, 0.8, 0.95, 1.15) for a, b in ((f, 3.0), (3.0, f))],
-                 [(0.3 * top, 6.0 * top), (0.3 * top, 6.0 * top), (1.5, 40.0)]),
-            Form("smooth", unit[0], _smooth, unit[1], unit[2], ("limit",), wide, [(0.3 * top, 10.0 * top)]),
+                 [(0.3 * top, 6.0 * top), (0.3 * top, 6.0 * top), (1.5, 40.0)],
+                 equation="y = y / (1 + abs(y / where(y > 0, limit, limit_below))**sharpness)**(1 / sharpness)"),
+            Form("smooth", unit[0], _smooth, unit[1], unit[2], ("limit",), wide, [(0.3 * top, 10.0 * top)],
+                 equation="y = limit * tanh(y / limit)"),
         ]  # fmt: skip

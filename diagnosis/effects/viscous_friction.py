@@ -55,15 +55,16 @@ class ViscousFriction(Effect):
         # What thins well below the usual speeds is dry friction.
         thinning = [
             Form(name, ("limit",), law, (0.0,), (np.inf,), ("thinning_speed",), [(0.5 * fast,), (1.2 * fast,)],
-                 [(0.25 * fast, 5.0 * fast)])
-            for name, law in (("Eyring", _eyring), ("saturating", _saturating))
+                 [(0.25 * fast, 5.0 * fast)], equation=f"y += limit * {curve}(v / thinning_speed)")
+            for name, curve, law in (("Eyring", "arcsinh", _eyring), ("saturating", "arctan", _saturating))
         ]  # fmt: skip
-        linear = Form("linear", ("damping",), _columns, (0.0,), (np.inf,))
+        linear = Form("linear", ("damping",), _columns, (0.0,), (np.inf,), equation="y += damping * v")
         return [
             linear,
-            Form("linear and quadratic", ("damping", "damping_2"), _quadratic, (0.0, 0.0), (np.inf, np.inf)),
+            Form("linear and quadratic", ("damping", "damping_2"), _quadratic, (0.0, 0.0), (np.inf, np.inf),
+                 equation="y += damping * v + damping_2 * v * abs(v)"),
             Form("power law", ("damping",), _columns, (0.0,), (np.inf,), ("power",), [(0.6,), (0.75,), (1.3,), (1.7,)],
-                 [(0.5, 2.0)]),
+                 [(0.5, 2.0)], equation="y += damping * abs(v)**power * sign(v)"),
             *thinning,
             # A power of the speed the other way round imitates delays and what falls with speed.
             overdone(linear),

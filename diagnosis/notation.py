@@ -1,0 +1,46 @@
+"""The words in which laws are written as equations that a simulator can carry out."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+
+__all__ = ["GENERAL", "WORDS", "explained"]
+
+GENERAL = (
+    "x: deflection, the simulator's input; v, a: its speed and acceleration; t: time since the start (s); y: the simulator's "
+    "torque, with what was added before; functions as in numpy"
+)
+"""What is said of every equation."""
+WORDS: Mapping[str, str] = MappingProxyType({
+    "y_spring": "elastic part of the simulator's torque, without its friction",
+    "y_memory": "the rest of the simulator's torque, its friction",
+    "y_strength": "how much that would grow if friction had twice the strength and the same stiffness",
+    "dahl": "dahl(x, d, h): s with ds/dx = (sign(dx) - s / h) / d and s = 0 at the start; h = 1 where it is left out (Dahl's friction)",
+    "slip": "slip(x, d): s with ds/dx = 1 / d, kept within -1 and 1, and s = 0 at the start (a spring and a slider)",
+    "play": "play(x, h): p with p = clip(p, x - h, x + h) at each step, 0 at the start (lost motion)",
+    "plays": "plays(x, h1, h2): mean of seven p with p = clip(p, x - h, x + h) at each step, h evenly from h1 to h2",
+    "lowpass": "lowpass(u, T): w with T dw/dt = u - w and w = u at the start",
+    "heat": "heat(u, T): w with T dw/dt = abs(u) - w and w = 0 at the start",
+    "late": "late(u, T): u(t - T)",
+    "resonator": "resonator(u, w, d): z with d²z/dt² + 2 d w dz/dt + w² z = w² u, from rest, or settled where it was moving",
+    "rise": "rise(c): the channel c less its first value",
+    "travel": "way that the deflection has gone since the start, ∫|dx|",
+    "work": "∫|y dx| since the start",
+    "losses": "∫ y_memory dx since the start, the most that it has been",
+    "reversals": "turns of the deflection since the start",
+})  # fmt: skip
+"""Words that are not numpy's, and what each means."""
+
+
+def explained(equations: Sequence[str]) -> list[str]:
+    """What the words in some equations mean, a line each."""
+    used = set(re.findall(r"\w+", " ".join(equations)))
+    # One word may be explained by another.
+    used |= {word for other in used & WORDS.keys() for word in re.findall(r"\w+", WORDS[other])}
+    return [
+        meaning if meaning.startswith(f"{word}(") else f"{word}: {meaning}"
+        for word, meaning in WORDS.items()
+        if word in used
+    ]
