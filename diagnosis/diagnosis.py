@@ -250,6 +250,11 @@ def diagnose(
         notes.append(
             f"the recorded torque comes in steps of {choice.torque_step:.3g} {signals.unit}: they are the gap; record it finer"
         )
+    notes += [
+        f"{term.effect.title} would explain it at the end of its range ({term.form.name}), where another effect begins, one "
+        "that is not known here"
+        for term in choice.images
+    ]
     if fitted:
         notes.append(
             "the confidence was calibrated on simulators that were not fitted to the joint: take it as a rank here"

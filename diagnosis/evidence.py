@@ -79,6 +79,11 @@ class Term:
     laws: int = 1
     """How many laws of the effect were tried."""
 
+    @property
+    def is_an_image(self) -> bool:
+        """Whether a shape has run to where another effect begins, whose image the law is there."""
+        return self.form.is_at_a_border(self.shape)
+
 
 @dataclass
 class Hypothesis:

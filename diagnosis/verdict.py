@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .adequacy import ALMOST_ALL, emulated, forgiven_here, left_to_noise
 from .calibration import CONFIDENCE, confidence
-from .evidence import FINE, Evidence, Hypothesis, count_unknowns, is_refitted
+from .evidence import FINE, Evidence, Hypothesis, Term, count_unknowns, is_refitted
 from .heldout import HeldOut, held_out, structured_power
 from .hum import hum
 from .names import GAIN, MISCALIBRATION, UNKNOWN
@@ -96,6 +96,8 @@ class Choice:
     """Frequency of a hum that makes up the gap, Hz; 0 otherwise."""
     spikes: float = 0.0
     """Share of the samples that stand out and make up the gap; 0 otherwise."""
+    images: Sequence[Term] = ()
+    """Laws that explain the gap only where they are images of another effect."""
 
 
 def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
@@ -192,6 +194,7 @@ def _stated(
         np.hypot(forgiven_here(evidence, features["gap"], bent), emulated(evidence, best, energy))
     )
     verdict = sorted(best.names, key=lambda name: -float(np.mean(np.square(best.part(name)))))
+    images: list[Term] = []
     if miscalibrated and not expected:
         verdict.append(MISCALIBRATION)
     if _nothing(evidence, best, miscalibrated, features):
@@ -200,6 +203,9 @@ def _stated(
         miscalibrated and not expected and _overstretched(evidence, best, features)
     ):
         verdict = [UNKNOWN]
+    elif not evidence.fitted:
+        images = [term for term in best.terms if term.is_an_image]
+        verdict = [UNKNOWN] if images else verdict
     stated = confidence(CONFIDENCE, verdict, features)
     if verdict and verdict != [UNKNOWN] and stated < DOUBT and not evidence.fitted:
         verdict, stated = [UNKNOWN], 1.0 - stated
@@ -212,7 +218,7 @@ def _stated(
     return Choice(
         verdict, stated, best, held, miscalibrated, left / gap_power, features,
         posterior, odds, list(ranked), recalibration_rivals(evidence, verdict, best, own, found, tempered), tempered,
-        step, frequency, standing_out,
+        step, frequency, standing_out, images,
     )  # fmt: skip
 
 

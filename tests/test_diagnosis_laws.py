@@ -202,6 +202,18 @@ def test_what_excluded_effects_leave_is_never_called_no_gap() -> None:
     assert found.verdict != []
 
 
+@pytest.mark.parametrize(
+    ("effect", "image"), [("viscous_friction", "stress relaxation"), ("stiffness_asymmetry", "encoder eccentricity")]
+)
+def test_an_effect_at_the_end_of_its_range_is_not_named_for_one_that_is_excluded(effect: str, image: str) -> None:
+    time, x = motion()
+    law = {"viscous_friction": 0.05 * np.gradient(x, time), "stiffness_asymmetry": 0.2 * np.maximum(x, 0.0)}[effect]
+    found = diagnosed(x, joint(x) + law, exclude=(effect,))
+    assert found.verdict == ["unknown"]
+    assert any(note.startswith(f"{image} would explain it at the end of its range") for note in found.notes)
+    assert diagnosed(x, joint(x) + law).verdict == [effect]
+
+
 # ---- a sensor that counts in steps -------------------------------------------------------------------------------------
 
 

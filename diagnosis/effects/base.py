@@ -37,6 +37,11 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 INPUT, TORQUE, SENSOR = "input", "torque", "sensor"
+AT_BORDER = 0.04
+"""Part of the way between a shape's limits from where it counts as having run to one."""
+LOW, HIGH, BOTH = (True, False), (False, True), (True, True)
+NOT = (False, False)
+"""Where a shape's limits border on another effect."""
 
 
 @dataclass(frozen=True)
@@ -117,6 +122,9 @@ class Form:
         ``start(shape, coefficients)`` of that fit gives this form's first shape; by default it is the same.
     overdone : bool
         Whether it takes away what the simulator has too much of; then it must bring more than a usual law.
+    borders : sequence of (bool, bool)
+        Whether at the lower and the upper limit of each shape begins another effect, of which the law is only an image
+        there; nowhere if empty.
     equation : str
         What a simulator has to do, in its parameters' names and the words of :mod:`hystbench.diagnosis.notation`; the
         effect's own equation where it is empty.
@@ -133,12 +141,27 @@ class Form:
     refines: tuple[str, ...] = ()
     start: Callable[[tuple[float, ...], Floats], tuple[float, ...]] | None = None
     overdone: bool = False
+    borders: Sequence[tuple[bool, bool]] = ()
     equation: str = ""
 
     @property
     def by_ratio(self) -> tuple[bool, ...]:
         """Which shapes are lengths, times or speeds, whose steps are ratios: those whose limits have one sign."""
         return tuple(low * high > 0.0 for low, high in self.limits)
+
+    def is_at_a_border(self, shape: Sequence[float]) -> bool:
+        """Whether a shape has run to where another effect begins."""
+        return any(
+            (bordered[0] and place < AT_BORDER) or (bordered[1] and place > 1.0 - AT_BORDER)
+            for bordered, place in zip(self.borders, self.places(shape), strict=False)
+        )
+
+    def places(self, shape: Sequence[float]) -> list[float]:
+        """Where each shape is between its limits, from 0 to 1, by ratios where steps are."""
+        made = []
+        for value, (low, high), ratio in zip(shape, self.limits, self.by_ratio, strict=True):
+            made.append(float(np.log(value / low) / np.log(high / low)) if ratio else (value - low) / (high - low))
+        return made
 
 
 class Effect:

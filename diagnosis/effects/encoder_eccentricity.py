@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import INPUT, Columns, Effect, Floats, Form, Parameter, Scene, geometric
+from .base import INPUT, LOW, NOT, Columns, Effect, Floats, Form, Parameter, Scene, geometric
 
 __all__ = ["EncoderEccentricity"]
 
@@ -120,14 +120,15 @@ class EncoderEccentricity(Effect):
             told = f", {home}" if home else ""
             sine = f"sine{told}"
             made += [
-                Form(sine, SIZES[:2], _columns(1, home), *small, ("periods",), grid, [span], equation=_equation(1, home)),
+                Form(sine, SIZES[:2], _columns(1, home), *small, ("periods",), grid, [span], borders=[LOW],
+                     equation=_equation(1, home)),
                 # The error is a function of the true angle: as one of the measured angle it has harmonics.
                 Form(f"sine of the true angle{told}", unit[0], _of_true_angle(home), *unit[1:], ("periods", *SIZES[:2]), (),
-                     [span, *[size] * 2], (sine,), _from_sine, equation=_equation(1, home, "z")),
+                     [span, *[size] * 2], (sine,), _from_sine, borders=[LOW, NOT, NOT], equation=_equation(1, home, "z")),
                 Form(f"two harmonics of the true angle{told}", unit[0], _of_true_angle(home), *unit[1:],
                      ("periods", *SIZES), (), [span, *[size] * 4], (sine,), _from_sine_twice,
-                     equation=_equation(2, home, "z")),
+                     borders=[LOW, *[NOT] * 4], equation=_equation(2, home, "z")),
                 Form(f"two harmonics{told}", SIZES, _columns(2, home), (-wide,) * 4, (wide,) * 4, ("periods",), (), [span],
-                     (sine,), equation=_equation(2, home)),
+                     (sine,), borders=[LOW], equation=_equation(2, home)),
             ]  # fmt: skip
         return made

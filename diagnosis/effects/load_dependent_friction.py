@@ -7,7 +7,19 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import PRESLIDING, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws, overdone_friction
+from .base import (
+    LOW,
+    NOT,
+    PRESLIDING,
+    DirectionLaw,
+    Effect,
+    Floats,
+    Form,
+    Parameter,
+    Scene,
+    direction_laws,
+    overdone_friction,
+)
 
 __all__ = ["LoadDependentFriction"]
 LOAD_WORDS = ("pressure", "load", "force", "tension", "preload", "clamp", "bar")
@@ -95,7 +107,7 @@ class LoadDependentFriction(Effect):
                      equation="y += where(y * s > 0, friction_coefficient, friction_coefficient_back) * abs(y) * s,  "
                      f"s = {law.equation}"),
                 Form(f"by a power of torque, {law.name}", ("friction_coefficient",), _degressive(law), (0.0,), (np.inf,),
-                     (law.parameter, "power"), (), [law.limits, (0.4, 1.0)], simple, lambda shape, _: (*shape, 0.8),
+                     (law.parameter, "power"), (), [law.limits, (0.4, 1.0)], simple, lambda shape, _: (*shape, 0.8), borders=[NOT, LOW],
                      equation=f"y += friction_coefficient * abs(y)**power * {law.equation}"),
                 Form(f"by elastic torque, {law.name}", ("friction_coefficient",), _columns(law, lambda scene: scene.spring), (0.0,), (np.inf,),
                      (law.parameter,), (), [law.limits], simple,

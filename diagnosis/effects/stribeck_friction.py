@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..operators import rms, yielding
-from .base import PRESLIDING, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws
+from .base import BOTH, NOT, PRESLIDING, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws
 
 __all__ = ["StribeckFriction"]
 
@@ -33,6 +33,8 @@ def _own_friction(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return (scene.friction * _gaussian(scene.signals.speed / shape[0]))[:, None]
 
 
+HARDLY = 0.08
+"""Excess over sliding friction, and share of what it makes, below which there is hardly any."""
 CURVES = (
     ("p = 2", "exp(-(v / stribeck_speed)**2)", _gaussian),
     ("p = 1", "exp(-abs(v) / stribeck_speed)", _exponential),
@@ -89,8 +91,13 @@ class StribeckFriction(Effect):
     def is_degenerate(self, parameters: dict[str, float], scene: Scene) -> bool:
         if "rise" in parameters:
             return False
-        excess = parameters.get("excess_ratio", parameters.get("breakaway_excess", 0.0))
-        return excess < 0.08 * (1.0 if "excess_ratio" in parameters else parameters["friction"])
+        friction = parameters["friction"]
+        excess = parameters.get("breakaway_excess", friction * parameters.get("excess_ratio", 0.0))
+        speed = scene.signals.speed
+        more = excess * _gaussian(speed / parameters["stribeck_speed"])
+        # What the transition of the sign hides at low speed is not there.
+        sign = np.tanh(speed / parameters["transition_speed"]) if "transition_speed" in parameters else 1.0
+        return excess < HARDLY * friction or rms(more * sign) < HARDLY * rms((friction + more) * sign)
 
     def forms(self, scene: Scene) -> list[Form]:
         fast = rms(scene.signals.speed)
@@ -99,7 +106,8 @@ class StribeckFriction(Effect):
         made = [
             Form(f"{told}, {law.name}", ("friction", "breakaway_excess"), _columns(law, curve), (0.0, 0.0),
                  (np.inf, np.inf), ("stribeck_speed", law.parameter), [(w, d) for w in speeds for d in law.grid[:2]],
-                 [(0.02 * fast, 2.0 * fast), law.limits], equation=_equation(equation, law))
+                 [(0.02 * fast, 2.0 * fast), law.limits], borders=[BOTH, NOT],
+                 equation=_equation(equation, law))
             for told, equation, curve in CURVES
             for law in laws
         ]  # fmt: skip
@@ -114,7 +122,7 @@ class StribeckFriction(Effect):
         blunt = [
             Form(f"p = 1/2, {law.name}", ("friction", "breakaway_excess"), _columns(law, _blunt), (0.0, 0.0), (np.inf, np.inf),
                  ("stribeck_speed", law.parameter), (), [(0.005 * fast, 2.0 * fast), law.limits], (f"p = 1, {law.name}",),
-                 equation=_equation("exp(-sqrt(abs(v) / stribeck_speed))", law))
+                 borders=[BOTH, NOT], equation=_equation("exp(-sqrt(abs(v) / stribeck_speed))", law))
             for law in laws
         ]  # fmt: skip
         own = Form("of the joint's own friction", ("rise",), _own_friction, (0.0,), (np.inf,), ("stribeck_speed",),

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import PARTS, Columns, Effect, Floats, Form, Parameter, Scene, geometric, inside, times
+from .base import LOW, PARTS, Columns, Effect, Floats, Form, Parameter, Scene, geometric, inside, times
 
 __all__ = ["ThermalDrift"]
 
@@ -81,7 +81,17 @@ def _form(
     """A law that may drift either way."""
     count = len(coefficients)
     free = (-np.inf,) * count, (np.inf,) * count
-    return Form(name, coefficients, columns, *free, shapes, grid, limits, equation=f"y += {equation}")
+    return Form(
+        name,
+        coefficients,
+        columns,
+        *free,
+        shapes,
+        grid,
+        limits,
+        borders=[LOW] * len(shapes),
+        equation=f"y += {equation}",
+    )
 
 
 class ThermalDrift(Effect):

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import SENSOR, Effect, Floats, Form, Parameter, Scene
+from .base import HIGH, NOT, SENSOR, Effect, Floats, Form, Parameter, Scene
 
 __all__ = ["TorqueOffset"]
 
@@ -48,8 +48,8 @@ class TorqueOffset(Effect):
         return [
             Form("constant", ("offset",), _columns, *free, equation="y += offset"),
             Form("shifted soon", ("offset",), _shifted, *free, ("moment",), soon, [(2.0 * s.interval, 0.12 * span)],
-                 equation="y += offset * (t > moment)"),
+                 borders=[HIGH], equation="y += offset * (t > moment)"),
             Form("settling", ("offset",), _settling, *free, ("unsettled", "settling_time"), (),
                  [(-0.4, 0.4), (2.0 * s.interval, 0.15 * span)], ("constant",), lambda shape, _: (0.1, 0.05 * span),
-                 equation="y += offset * (1 - unsettled * exp(-t / settling_time))"),
+                 borders=[NOT, HIGH], equation="y += offset * (1 - unsettled * exp(-t / settling_time))"),
         ]  # fmt: skip
