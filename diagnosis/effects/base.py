@@ -39,8 +39,7 @@ Floats = NDArray[np.float64]
 INPUT, TORQUE, SENSOR = "input", "torque", "sensor"
 AT_BORDER = 0.04
 """Part of the way between a shape's limits from where it counts as having run to one."""
-LOW, HIGH, BOTH = (True, False), (False, True), (True, True)
-NOT = (False, False)
+LOW, HIGH, NOT = (True, False), (False, True), (False, False)
 """Where a shape's limits border on another effect."""
 
 

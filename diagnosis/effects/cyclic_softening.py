@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import LOW, NOT, Columns, Effect, Floats, Form, Parameter, Scene, geometric, inside
+from .base import Columns, Effect, Floats, Form, Parameter, Scene, geometric, inside
 
 __all__ = ["CyclicSoftening"]
 
@@ -121,6 +121,6 @@ class CyclicSoftening(Effect):
         made = []
         for name, equation, worn, most, shapes, grid, bounds in laws:
             form = Form(name, ("softening",), _lost(worn), (0.0,), (most,), shapes, grid, bounds,
-                        borders=[LOW if name != "power of travel" else NOT] * len(shapes), equation=f"y -= softening * {equation} * y")  # fmt: skip
+                        equation=f"y -= softening * {equation} * y")  # fmt: skip
             made += [form, *(inside(form, _column(worn)) if shapes else ())]
         return made

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import HIGH, LOW, NOT, Effect, Floats, Form, Parameter, Scene, geometric, overdone
+from .base import LOW, NOT, Effect, Floats, Form, Parameter, Scene, geometric, overdone
 
 __all__ = ["Inertia"]
 
@@ -66,7 +66,7 @@ class Inertia(Effect):
             rigid,
             overdone(rigid),
             Form("behind a shaft", ("inertia",), _behind_shaft, *free, ("shaft_lag",), (), [(0.02 * step, longest)], ("rigid",),
-                 lambda shape, coefficients: (min(step, 0.5 * longest),), borders=[HIGH], equation="y += inertia * late(a, shaft_lag)"),
+                 lambda shape, coefficients: (min(step, 0.5 * longest),), equation="y += inertia * late(a, shaft_lag)"),
             Form("behind a compliant transmission", ("inertia",), _on_spring, *free, ("natural_frequency", "damping_ratio"),
                  [(w, d) for w in geometric(*swings, 10) for d in (0.04, 0.2)], [swings, (0.005, 0.3)],
                  borders=[LOW, NOT], equation="y += inertia * resonator(a, natural_frequency, damping_ratio)"),

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import BOTH, Columns, Effect, Floats, Form, Parameter, Scene, geometric
+from .base import LOW, Columns, Effect, Floats, Form, Parameter, Scene, geometric
 
 __all__ = ["StressRelaxation"]
 
@@ -110,17 +110,17 @@ class StressRelaxation(Effect):
         pairs = [(a, b) for a in times[::2] for b in times[1::2] if b > 4.0 * a]
         return [
             Form("one branch", ("stiffness",), _of_deflection, *free, *one, [(t,) for t in times], [limits],
-                 borders=[BOTH], equation=_equation("x", two("stiffness")[0])),
+                 borders=[LOW], equation=_equation("x", two("stiffness")[0])),
             Form("of the torque", ("share",), _of_torque, *free, *one, [(t,) for t in times], [limits],
-                 borders=[BOTH], equation=_equation("y", two("share")[0])),
+                 borders=[LOW], equation=_equation("y", two("share")[0])),
             Form("from the torque down", ("share",), _creep, *free, *one, [(t,) for t in times[::2]], [limits],
-                 borders=[BOTH], equation=_equation_down("y", two("share")[0])),
+                 borders=[LOW], equation=_equation_down("y", two("share")[0])),
             Form("two branches", ("stiffness", "stiffness_2"), _of_deflection, (0.0, 0.0), (np.inf, np.inf),
                  ("time_constant", "time_constant_2"), pairs, [limits, limits], equation=_equation("x", *two("stiffness"))),
             Form("spectrum", ("stiffness", "stiffness_2", "stiffness_3"), _spectrum(_of_deflection), (0.0,) * 3, (np.inf,) * 3,
                  *one, [(t,) for t in times[:7]], [limits], equation=_equation("x", *three("stiffness"))),
             Form("from the spring down", ("share",), _creep_of_spring, *free, *one, [(t,) for t in times[::2]], [limits],
-                 borders=[BOTH], equation=_equation_down("y_spring", two("share")[0])),
+                 borders=[LOW], equation=_equation_down("y_spring", two("share")[0])),
             branches("from the torque down, two branches", _creep, "from the torque down", _equation_down("y", *two("share"))),
             spectrum("from the torque down, spectrum", _creep, "from the torque down", _equation_down("y", *three("share"))),
             branches("from the spring down, two branches", _creep_of_spring, "from the spring down", _equation_down("y_spring", *two("share"))),

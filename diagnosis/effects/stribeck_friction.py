@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..operators import rms, yielding
-from .base import BOTH, NOT, PRESLIDING, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws
+from .base import LOW, NOT, PRESLIDING, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws
 
 __all__ = ["StribeckFriction"]
 
@@ -106,7 +106,7 @@ class StribeckFriction(Effect):
         made = [
             Form(f"{told}, {law.name}", ("friction", "breakaway_excess"), _columns(law, curve), (0.0, 0.0),
                  (np.inf, np.inf), ("stribeck_speed", law.parameter), [(w, d) for w in speeds for d in law.grid[:2]],
-                 [(0.02 * fast, 2.0 * fast), law.limits], borders=[BOTH, NOT],
+                 [(0.02 * fast, 2.0 * fast), law.limits], borders=[LOW, NOT],
                  equation=_equation(equation, law))
             for told, equation, curve in CURVES
             for law in laws
@@ -122,7 +122,7 @@ class StribeckFriction(Effect):
         blunt = [
             Form(f"p = 1/2, {law.name}", ("friction", "breakaway_excess"), _columns(law, _blunt), (0.0, 0.0), (np.inf, np.inf),
                  ("stribeck_speed", law.parameter), (), [(0.005 * fast, 2.0 * fast), law.limits], (f"p = 1, {law.name}",),
-                 borders=[BOTH, NOT], equation=_equation("exp(-sqrt(abs(v) / stribeck_speed))", law))
+                 borders=[LOW, NOT], equation=_equation("exp(-sqrt(abs(v) / stribeck_speed))", law))
             for law in laws
         ]  # fmt: skip
         own = Form("of the joint's own friction", ("rise",), _own_friction, (0.0,), (np.inf,), ("stribeck_speed",),
