@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import LOW, NOT, Columns, Effect, Floats, Form, Parameter, Scene
+from .base import Columns, Effect, Floats, Form, Parameter, Scene
 
 __all__ = ["EndStop"]
 
@@ -142,21 +142,21 @@ class EndStop(Effect):
         for power, told in ((1.0, ""), (1.5, ", Hertz")):
             made += [
                 Form(f"upper{told}", ("stiffness_upper",), _columns(True, False, power), (0.0,), (np.inf,), ("upper",),
-                     [(a,) for a in up], [top], borders=[LOW], equation=f"y += {_term('upper', power)}"),
+                     [(a,) for a in up], [top], equation=f"y += {_term('upper', power)}"),
                 Form(f"lower{told}", ("stiffness_lower",), _columns(False, True, power), (0.0,), (np.inf,), ("lower",),
-                     [(a,) for a in down], [bottom], borders=[LOW], equation=f"y -= {_term('lower', power)}"),
+                     [(a,) for a in down], [bottom], equation=f"y -= {_term('lower', power)}"),
                 Form(f"both{told}", ("stiffness_upper", "stiffness_lower"), _columns(True, True, power), (0.0, 0.0),
                      (np.inf, np.inf), ("upper", "lower"), list(zip(up, down, strict=True)), [top, bottom],
-                     borders=[LOW, LOW], equation=f"y += {_term('upper', power)} - {_term('lower', power)}"),
+                     equation=f"y += {_term('upper', power)} - {_term('lower', power)}"),
             ]  # fmt: skip
         for side, told, limits in ((1.0, "upper", top), (-1.0, "lower", bottom)):
             names = (f"stiffness_{told}", "damping")
             free = (0.0, 0.0), (np.inf, np.inf), (told,), (), [limits]
             made += [
                 Form(f"{told}, damped", names, _damped(side, None), *free, (told,),
-                     borders=[LOW], equation=f"y += {_lossy(told, 1.0, 'damping')}"),
+                     equation=f"y += {_lossy(told, 1.0, 'damping')}"),
                 Form(f"{told}, Hunt-Crossley", names, _damped(side, 1.5), *free, (f"{told}, Hertz",),
-                     borders=[LOW], equation=f"y += {_lossy(told, 1.5, 'damping')}"),
+                     equation=f"y += {_lossy(told, 1.5, 'damping')}"),
             ]  # fmt: skip
         for kind, equation, law, share in BUMPERS:
             for sides, ends in ((("upper",), [top]), (("lower",), [bottom]), (("upper", "lower"), [top, bottom])):
@@ -164,12 +164,12 @@ class EndStop(Effect):
                 made.append(
                     Form(f"{told}, {kind}", [f"stiffness_{side}" for side in sides], _bumper(sides, law), (0.0,) * len(sides),
                          (np.inf,) * len(sides), (*sides, "thickness"), (), [*ends, (0.03 * reach, 3.0 * reach)],
-                         (told, f"{told}, Hertz"), _thick(share * reach), borders=[*[LOW] * len(sides), NOT], equation=_pressed(sides, equation))
+                         (told, f"{told}, Hertz"), _thick(share * reach), equation=_pressed(sides, equation))
                 )  # fmt: skip
         for power, told, simple in ((1.0, "both, damped", "both"), (1.5, "both, Hunt-Crossley", "both, Hertz")):
             made.append(
                 Form(told, ("stiffness_upper", "stiffness_lower", "damping", "damping_lower"), _both_damped(power), (0.0,) * 4,
-                     (np.inf,) * 4, ("upper", "lower"), (), [top, bottom], (simple,), borders=[LOW, LOW],
+                     (np.inf,) * 4, ("upper", "lower"), (), [top, bottom], (simple,),
                      equation=f"y += {_lossy('upper', power, 'damping')} + {_lossy('lower', power, 'damping_lower')}")
             )  # fmt: skip
         return made
