@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,9 @@ COORDINATES = (
 )  # fmt: skip
 APART = 0.05
 """Radians of the motion's mean frequency between samples whose noise counts as independent."""
+SETTLED, FILTERED = 1.04, 1.4
+"""Factor by which noise grows from one stride to the next that is none, and the most between neighbours that is its own:
+that of noise which a filter has correlated by a half."""
 SWING = 0.08
 """Part of the reach that a turn must swing back to be one."""
 FARTHEST = 3
@@ -82,9 +86,7 @@ class Signals:
     @cached_property
     def noise_floor(self) -> float:
         """Standard deviation of the white noise on the gap, N·m: what no simulator can close."""
-        parts = [self.gap[run][k :: self.stride] for run in self.runs for k in range(self.stride)]
-        sizes = [part.size for part in parts]
-        measured = float(np.sqrt(np.average(np.square([noise_level(part) for part in parts]), weights=sizes)))
+        measured = self._noise_apart(self.stride)
         # A noise-free (synthetic) recording still has the resolution of its numbers.
         return max(measured, 1e-5 * float(np.std(self.y_real)), 1e-300)
 
@@ -92,7 +94,27 @@ class Signals:
     def stride(self) -> int:
         """Samples that lie apart as far as noise is told from structure: densely sampled noise is often filtered."""
         fastest = rms(self.speed) / max(float(np.std(self.smooth_x)), 1e-300)
-        return int(np.clip(APART / max(fastest * self.interval, 1e-300), 1, FARTHEST))
+        dense = int(np.clip(APART / max(fastest * self.interval, 1e-300), 1, FARTHEST))
+        return max(dense, self._independent())
+
+    def _noise_apart(self, stride: int) -> float:
+        """Noise level of the gap's samples so far apart, N·m."""
+        parts = [self.gap[run][k::stride] for run in self.runs for k in range(stride)]
+        return float(np.sqrt(np.average([noise_level(part) ** 2 for part in parts], weights=[p.size for p in parts])))
+
+    def _independent(self) -> int:
+        """Samples apart from where noise that is correlated over a few of them, as a filter leaves it, is no more so.
+
+        Its level then grows less and less from stride to stride and stays; that of anything that moves grows on.
+        """
+        levels = [self._noise_apart(stride) for stride in range(1, FARTHEST + 2)]
+        growth = [later / max(level, 1e-300) for level, later in pairwise(levels)]
+        for stride, factor in enumerate(growth, start=1):
+            if factor < SETTLED:
+                return stride
+            if factor > (FILTERED if stride == 1 else growth[stride - 2]):
+                return 1
+        return FARTHEST
 
     @cached_property
     def knocks(self) -> NDArray[np.bool_]:

@@ -175,12 +175,15 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     gap_power = max(structured_power(signals.gap * rows, signals.runs, signals.stride), 1e-6 * floor**2)
     tempered = TEMPERATURE * effective_share(misfit_refit, signals.runs)
     posterior, odds = weigh(evidence, field.ranked, field.scores, own, best, blank, tempered)
-    others = [s for h, s in zip(field.ranked, field.scores, strict=True) if not is_nested(h, best)]
+    ranked = list(zip(field.ranked, field.scores.tolist(), strict=True))
+    others = [score for h, score in ranked if not is_nested(h, best)]
+    # What is not worth naming beside the verdict's effects speaks for them no less.
+    supported = max([own, *(score for h, score in ranked if best.names and best.names < h.names)])
     features = {
         "gap": float(np.sqrt(energy) / floor),
         "left_to_noise": float(np.sqrt(left) / floor),
         "left_share": left / gap_power,
-        "margin": float(own - max(others)) if others else 1e3,
+        "margin": supported - max(others) if others else 1e3,
         "over_null": float(own - blank.score),
         "effects": float(len(best.terms)),
         "signal": rms(best.signal) / floor,
