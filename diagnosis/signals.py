@@ -27,9 +27,9 @@ COORDINATES = (
 )  # fmt: skip
 APART = 0.05
 """Radians of the motion's mean frequency between samples whose noise counts as independent."""
-SETTLED, FILTERED = 1.04, 1.4
-"""Factor by which noise grows from one stride to the next that is none, and the most between neighbours that is its own:
-that of noise which a filter has correlated by a half."""
+SETTLED, FILTERED = 1.04, (1.4, 1.15, 1.08)
+"""Factor by which noise grows from one stride to the next that is none, and the most, from each stride, that is noise's own:
+with a margin what a filter makes that correlates neighbours by a half."""
 SWING = 0.08
 """Part of the reach that a turn must swing back to be one."""
 FARTHEST = 3
@@ -109,10 +109,10 @@ class Signals:
         """
         levels = [self._noise_apart(stride) for stride in range(1, FARTHEST + 2)]
         growth = [later / max(level, 1e-300) for level, later in pairwise(levels)]
-        for stride, factor in enumerate(growth, start=1):
+        for stride, (factor, most) in enumerate(zip(growth, FILTERED, strict=True), start=1):
             if factor < SETTLED:
                 return stride
-            if factor > (FILTERED if stride == 1 else growth[stride - 2]):
+            if factor > most:
                 return 1
         return FARTHEST
 
