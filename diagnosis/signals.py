@@ -27,7 +27,7 @@ COORDINATES = (
 )  # fmt: skip
 APART = 0.05
 """Radians of the motion's mean frequency between samples whose noise counts as independent."""
-SETTLED, FILTERED = 1.04, (1.4, 1.15, 1.08)
+SETTLED, FILTERED = 1.04, (1.4, 1.18, 1.1)
 """Factor by which noise grows from one stride to the next that is none, and the most, from each stride, that is noise's own:
 with a margin what a filter makes that correlates neighbours by a half."""
 SWING = 0.08
