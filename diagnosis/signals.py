@@ -86,7 +86,7 @@ class Signals:
     @cached_property
     def noise_floor(self) -> float:
         """Standard deviation of the white noise on the gap, N·m: what no simulator can close."""
-        measured = self._noise_apart(self.stride)
+        measured = self._noise_levels[self.stride - 1]
         # A noise-free (synthetic) recording still has the resolution of its numbers.
         return max(measured, 1e-5 * float(np.std(self.y_real)), 1e-300)
 
@@ -97,18 +97,23 @@ class Signals:
         dense = int(np.clip(APART / max(fastest * self.interval, 1e-300), 1, FARTHEST))
         return max(dense, self._independent())
 
-    def _noise_apart(self, stride: int) -> float:
-        """Noise level of the gap's samples so far apart, N·m."""
-        parts = [self.gap[run][k::stride] for run in self.runs for k in range(stride)]
-        return float(np.sqrt(np.average([noise_level(part) ** 2 for part in parts], weights=[p.size for p in parts])))
+    @cached_property
+    def _noise_levels(self) -> list[float]:
+        """Noise level of the gap's samples 1, 2, … apart, N·m."""
+
+        def apart(stride: int) -> float:
+            parts = [self.gap[run][k::stride] for run in self.runs for k in range(stride)]
+            squares = np.square([noise_level(part) for part in parts])
+            return float(np.sqrt(np.average(squares, weights=[part.size for part in parts])))
+
+        return [apart(stride) for stride in range(1, FARTHEST + 2)]
 
     def _independent(self) -> int:
         """Samples apart from where noise that is correlated over a few of them, as a filter leaves it, is no more so.
 
         Its level then grows less and less from stride to stride and stays; that of anything that moves grows on.
         """
-        levels = [self._noise_apart(stride) for stride in range(1, FARTHEST + 2)]
-        growth = [later / max(level, 1e-300) for level, later in pairwise(levels)]
+        growth = [later / max(level, 1e-300) for level, later in pairwise(self._noise_levels)]
         for stride, (factor, most) in enumerate(zip(growth, FILTERED, strict=True), start=1):
             if factor < SETTLED:
                 return stride

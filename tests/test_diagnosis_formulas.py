@@ -23,6 +23,11 @@ Floats = NDArray[np.float64]
 IMPLICIT = {"gap at zero torque", "gap at zero torque, free flight"}
 """Laws told in prose: what they need must be found."""
 PERIODS = 2.5
+NUMPYS = {
+    "exp", "sin", "cos", "tanh", "arctan", "arcsinh", "log", "sqrt", "sign", "abs", "clip", "where", "maximum", "minimum", "max",
+    "pi",
+}  # fmt: skip
+"""Words that need no explanation."""
 
 
 @functools.cache
@@ -35,10 +40,6 @@ def scene() -> SimulatorScene:
     channels = {"motor_temperature": 20.0 + 3.0 * np.sin(0.1 * time), "clamp_force": 5.0 + np.cos(0.7 * time)}
     signals = Signals(time, x, y, y, [slice(0, time.size)], channels)
     return SimulatorScene(signals, emulate(signals, None))
-
-
-def all_forms() -> list[tuple[Effect, Form]]:
-    return [(effect, form) for effect in known_effects() for form in effect.forms(scene())]
 
 
 def followed(x: Floats, step: Callable[[float, int], float], start: float = 0.0) -> Floats:
@@ -104,10 +105,7 @@ def words() -> dict[str, Any]:
         "dahl": dahl, "slip": slip, "play": play, "lowpass": lowpass, "resonator": resonator,
         "plays": lambda x, h1, h2: np.mean([play(x, h) for h in np.linspace(h1, h2, 7)], axis=0),
         "heat": lambda u, T: lowpass(np.abs(u), T, 0.0), "late": lambda u, T: np.interp(time - T, time, u),
-        "rise": lambda c: c - c[0], "max": np.max, "abs": np.abs,
-        **{name: getattr(np, name) for name in (
-            "exp", "sin", "cos", "tanh", "arctan", "arcsinh", "log", "sqrt", "sign", "clip", "where", "maximum", "minimum", "pi",
-        )},
+        "rise": lambda c: c - c[0], **{name: getattr(np, name) for name in NUMPYS},
         **s.channels,
     }  # fmt: skip
 
@@ -160,9 +158,8 @@ def carried_out(form: Form, values: dict[str, Any]) -> Floats:
     return change
 
 
-@pytest.mark.parametrize("number", range(len(known_effects())), ids=[effect.id for effect in known_effects()])
-def test_the_equation_of_each_law_gives_what_the_law_fits(number: int) -> None:
-    effect = known_effects()[number]
+@pytest.mark.parametrize("effect", known_effects(), ids=lambda effect: effect.id)
+def test_the_equation_of_each_law_gives_what_the_law_fits(effect: Effect) -> None:
     for form in effect.forms(scene()):
         if form.name in IMPLICIT:
             continue
@@ -177,41 +174,24 @@ def test_the_equation_of_each_law_gives_what_the_law_fits(number: int) -> None:
         assert rms(carried_out(form, values) - fitted) < 0.03 * rms(fitted), (form.name, form.equation)
 
 
-def test_each_equation_names_each_parameter_and_explains_its_words() -> None:
-    numpys = {
-        "exp",
-        "sin",
-        "cos",
-        "tanh",
-        "arctan",
-        "arcsinh",
-        "log",
-        "sqrt",
-        "sign",
-        "abs",
-        "clip",
-        "where",
-        "maximum",
-        "minimum",
-        "max",
-        "pi",
-    }
+@pytest.mark.parametrize("effect", known_effects(), ids=lambda effect: effect.id)
+def test_each_equation_names_each_parameter_and_explains_its_words(effect: Effect) -> None:
     general = {"x", "v", "a", "t", "y", "z", "s"}
-    for effect, form in all_forms():
+    for form in effect.forms(scene()):
         own = {name for name in (*form.coefficients, *form.shapes) if not name.startswith("_")}
         used = set(re.findall(r"[a-z]\w*", form.equation))
-        assert own <= used, (effect.id, form.name)
+        assert own <= used, form.name
         if form.name not in IMPLICIT:
             plain = re.sub(r", (in the elastic part alone|and (.*) more in the elastic part)", r" \2", form.equation)
             unknown = (
                 set(re.findall(r"[a-z]\w*", plain))
                 - own
-                - numpys
+                - NUMPYS
                 - general
                 - set(WORDS)
                 - set(scene().signals.channels)
             )
-            assert not unknown, (effect.id, form.name, unknown)
+            assert not unknown, (form.name, unknown)
 
 
 def test_words_that_explain_others_are_explained() -> None:

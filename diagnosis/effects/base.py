@@ -18,7 +18,10 @@ from ..operators import rms
 from ..signals import Signals
 
 __all__ = [
+    "HIGH",
     "INPUT",
+    "LOW",
+    "NOT",
     "PARTS",
     "PRESLIDING",
     "SENSOR",
@@ -28,6 +31,7 @@ __all__ = [
     "Effect",
     "Form",
     "Parameter",
+    "Part",
     "Scene",
     "direction_laws",
     "geometric",

@@ -95,32 +95,40 @@ class CyclicSoftening(Effect):
         turns = float(scene.signals.reversals.max())
         lengths = [(t,) for t in geometric(0.04 * total, 1.5 * total, 7)]
         # Softening that is over within a thirtieth of the recording could not be told from a gain.
-        limits = [(0.03 * total, 3.0 * total)]
-        laws: list[tuple[str, str, Worn, float, Sequence[str], Sequence[tuple[float, ...]], Sequence[tuple[float, float]]]] = [
-            ("linear", "travel", _linear, 1.0 / max(total, 1e-300), (), [()], []),
-            ("exponential", "(1 - exp(-travel / travel_constant))", _exponential(_travel), 1.0, ("travel_constant",), lengths, limits),
-            ("hyperbolic", "travel / (travel_constant + travel)", _hyperbolic, 1.0, ("travel_constant",), lengths, limits),
-            ("logarithm", "log(1 + travel / travel_constant)", _logarithm(_travel), 1.0, ("travel_constant",), lengths[1::2], limits),
-            ("power of travel", "travel**power", _power, np.inf, ("power",), [(0.5,), (0.75,)], [(0.3, 0.95)]),
-            ("by work", "(1 - exp(-work / work_constant))", _exponential(_work), 1.0, ("work_constant",),
-             [(share * work,) for share in (0.1, 0.4, 1.5)], [(0.03 * work, 3.0 * work)]),
+        limits = (0.03 * total, 3.0 * total)
+
+        def law(
+            name: str,
+            equation: str,
+            worn: Worn,
+            shape: str,
+            grid: Sequence[tuple[float, ...]],
+            ends: tuple[float, float],
+            most: float = 1.0,
+        ) -> list[Form]:
+            """A law of the whole torque, and of its parts."""
+            form = Form(name, ("softening",), _lost(worn), (0.0,), (most,), (shape,), grid, [ends],
+                        equation=f"y -= softening * {equation} * y")  # fmt: skip
+            return [form, *inside(form, _column(worn))]
+
+        made = [
+            Form("linear", ("softening",), _lost(_linear), (0.0,), (1.0 / max(total, 1e-300),), equation="y -= softening * travel * y"),
+            *law("exponential", "(1 - exp(-travel / travel_constant))", _exponential(_travel), "travel_constant", lengths, limits),
+            *law("hyperbolic", "travel / (travel_constant + travel)", _hyperbolic, "travel_constant", lengths, limits),
+            *law("logarithm", "log(1 + travel / travel_constant)", _logarithm(_travel), "travel_constant", lengths[1::2], limits),
+            *law("power of travel", "travel**power", _power, "power", [(0.5,), (0.75,)], (0.3, 0.95), np.inf),
+            *law("by work", "(1 - exp(-work / work_constant))", _exponential(_work), "work_constant",
+                 [(share * work,) for share in (0.1, 0.4, 1.5)], (0.03 * work, 3.0 * work)),
         ]  # fmt: skip
         losses = float(_losses(scene).max())
         if losses > 0.0:
-            laws.append(("by losses", "(1 - exp(-losses / loss_constant))", _exponential(_losses), 1.0, ("loss_constant",),
-                         [(share * losses,) for share in (0.2, 0.8, 3.0)], [(0.03 * losses, 5.0 * losses)]))  # fmt: skip
+            made += law("by losses", "(1 - exp(-losses / loss_constant))", _exponential(_losses), "loss_constant",
+                        [(share * losses,) for share in (0.2, 0.8, 3.0)], (0.03 * losses, 5.0 * losses))  # fmt: skip
         if turns >= FEWEST:
-            numbers = [(share * turns,) for share in (0.1, 0.3, 1.0)]
-            ends = [(0.03 * turns, 3.0 * turns)]
-            laws += [
-                ("by reversals", "(1 - exp(-reversals / reversals_constant))", _exponential(_reversals), 1.0,
-                 ("reversals_constant",), numbers, ends),
-                ("logarithm of reversals", "log(1 + reversals / reversals_constant)", _logarithm(_reversals), 1.0,
-                 ("reversals_constant",), numbers, ends),
-            ]  # fmt: skip
-        made = []
-        for name, equation, worn, most, shapes, grid, bounds in laws:
-            form = Form(name, ("softening",), _lost(worn), (0.0,), (most,), shapes, grid, bounds,
-                        equation=f"y -= softening * {equation} * y")  # fmt: skip
-            made += [form, *(inside(form, _column(worn)) if shapes else ())]
+            numbers, ends = [(share * turns,) for share in (0.1, 0.3, 1.0)], (0.03 * turns, 3.0 * turns)
+            for name, equation, worn in (
+                ("by reversals", "(1 - exp(-reversals / reversals_constant))", _exponential(_reversals)),
+                ("logarithm of reversals", "log(1 + reversals / reversals_constant)", _logarithm(_reversals)),
+            ):
+                made += law(name, equation, worn, "reversals_constant", numbers, ends)
         return made

@@ -16,6 +16,7 @@ from .base import (
     Floats,
     Form,
     Parameter,
+    Part,
     Scene,
     direction_laws,
     overdone_friction,
@@ -86,16 +87,16 @@ class LoadDependentFriction(Effect):
     confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "miscalibration")
 
     def forms(self, scene: Scene) -> list[Form]:
-        loads: dict[str, tuple[str, Callable[[Scene], Floats]]] = {"torque": ("y", lambda scene: scene.torque)}
+        loads = {"torque": Part("y", lambda scene: scene.torque)}
         for name, values in scene.signals.channels.items():
             if any(word in name.lower() for word in LOAD_WORDS) and np.ptp(values) > 0.05 * np.max(np.abs(values)):
-                loads[name] = name, _measured(name)
+                loads[name] = Part(name, _measured(name))
         laws = direction_laws(scene)
         made = [
-            Form(f"by {name}, {law.name}", ("friction_coefficient",), _columns(law, load), (0.0,), (np.inf,),
+            Form(f"by {name}, {law.name}", ("friction_coefficient",), _columns(law, load.of), (0.0,), (np.inf,),
                  (law.parameter,), [(value,) for value in law.grid], [law.limits],
-                 equation=f"y += friction_coefficient * abs({symbol}) * {law.equation}")
-            for name, (symbol, load) in loads.items()
+                 equation=f"y += friction_coefficient * abs({load.symbol}) * {law.equation}")
+            for name, load in loads.items()
             for law in laws
         ]  # fmt: skip
         less = overdone_friction(made)

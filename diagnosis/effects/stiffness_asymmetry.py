@@ -7,11 +7,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import Columns, Effect, Floats, Form, Parameter, Scene
+from .base import PARTS, Columns, Effect, Floats, Form, Parameter, Part, Scene
 
 __all__ = ["StiffnessAsymmetry"]
-
-Part = Callable[[Scene], Floats]
 
 
 def _torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -30,7 +28,7 @@ def _quadratic(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.square(scene.signals.smooth_x)[:, None]
 
 
-def _sided(side: float, part: Part) -> Columns:
+def _sided(side: float, part: Callable[[Scene], Floats]) -> Columns:
     """A part of the torque on one side (±1), or of opposite sign on both (0)."""
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -40,7 +38,7 @@ def _sided(side: float, part: Part) -> Columns:
     return columns
 
 
-def _rounded(side: float, part: Part) -> Columns:
+def _rounded(side: float, part: Callable[[Scene], Floats]) -> Columns:
     """The same where the change from one side to the other is not sharp."""
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -58,18 +56,6 @@ def _stretched(side: float) -> Columns:
         return scene.torque_change(x + shape[0] * side * np.maximum(side * x, 0.0))[:, None]
 
     return columns
-
-
-def _deflection(scene: Scene) -> Floats:
-    return scene.signals.smooth_x
-
-
-def _whole(scene: Scene) -> Floats:
-    return scene.torque
-
-
-def _elastic(scene: Scene) -> Floats:
-    return scene.spring
 
 
 class StiffnessAsymmetry(Effect):
@@ -113,10 +99,10 @@ class StiffnessAsymmetry(Effect):
                 "quadratic", ("extra_stiffness_slope",), _quadratic, *free, equation="y += extra_stiffness_slope * x**2"
             ),
         ]
-        for what, symbol, part, name, bounds in (
-            ("spring", "x", _deflection, "extra_stiffness", free),
-            ("torque", "y", _whole, "extra_gain", gain),
-            ("elastic torque", "y_spring", _elastic, "extra_gain", gain),
+        for what, part, name, bounds in (
+            ("spring", Part("x", lambda scene: scene.signals.smooth_x), "extra_stiffness", free),
+            ("torque", Part("y", lambda scene: scene.torque), "extra_gain", gain),
+            ("elastic torque", PARTS["the spring"], "extra_gain", gain),
         ):
             for side, told, sharply, roundly in (
                 (1.0, "upper side", "(x > 0)", "(1 + tanh(x / knee)) / 2"),
@@ -125,9 +111,9 @@ class StiffnessAsymmetry(Effect):
             ):
                 sharp = f"{what}, {told}"
                 made += [
-                    Form(sharp, (name,), _sided(side, part), *bounds, equation=f"y += {name} * {symbol} * {sharply}"),
-                    Form(f"{sharp}, rounded", (name,), _rounded(side, part), *bounds, ("knee",), (), knee, (sharp,),
-                         lambda shape, coefficients: (0.03 * reach,), equation=f"y += {name} * {symbol} * {roundly}"),
+                    Form(sharp, (name,), _sided(side, part.of), *bounds, equation=f"y += {name} * {part.symbol} * {sharply}"),
+                    Form(f"{sharp}, rounded", (name,), _rounded(side, part.of), *bounds, ("knee",), (), knee, (sharp,),
+                         lambda shape, coefficients: (0.03 * reach,), equation=f"y += {name} * {part.symbol} * {roundly}"),
                 ]  # fmt: skip
                 if what == "torque" and side != 0.0:
                     made.append(

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import LOW, Columns, Effect, Floats, Form, Parameter, Scene, geometric
+from .base import LOW, PARTS, Columns, Effect, Floats, Form, Parameter, Part, Scene, geometric
 
 __all__ = ["StressRelaxation"]
 
@@ -30,25 +30,23 @@ def _missing(part: Callable[[Scene], Floats]) -> Columns:
     return lambda scene, shape: np.column_stack([-scene.signals.lowpass(part(scene), tau) for tau in shape])
 
 
-def _equation(part: str, *branches: tuple[str, str]) -> str:
-    """Of branches with so large a share or stiffness and such a time constant."""
-    return "y += " + " + ".join(f"{size} * ({part} - lowpass({part}, {constant}))" for size, constant in branches)
-
-
-def _equation_down(part: str, *branches: tuple[str, str]) -> str:
-    return "y -= " + " + ".join(f"{size} * lowpass({part}, {constant})" for size, constant in branches)
-
-
 def _spectrum(branches: Columns) -> Columns:
     """Three branches whose time constants are as 1 : 4 : 16."""
     return lambda scene, shape: branches(scene, (shape[0], 4.0 * shape[0], 16.0 * shape[0]))
 
 
-_of_deflection = _relaxing(lambda scene: scene.signals.smooth_x)
-_of_torque = _relaxing(lambda scene: scene.torque)
-_of_spring = _relaxing(lambda scene: scene.spring)
-_creep = _missing(lambda scene: scene.torque)
-_creep_of_spring = _missing(lambda scene: scene.spring)
+def _law(part: Part, down: bool, *branches: tuple[str, str]) -> tuple[Columns, str]:
+    """The columns and the equation of branches, each told by its size and its time constant.
+
+    They hold what of ``part`` is new, or, ``down`` from it, what of it has relaxed is missing.
+    """
+    y = part.symbol
+    terms = (f"{size} * lowpass({y}, {c})" if down else f"{size} * ({y} - lowpass({y}, {c}))" for size, c in branches)
+    return (_missing if down else _relaxing)(part.of), f"y {'-' if down else '+'}= {' + '.join(terms)}"
+
+
+DEFLECTION, TORQUE = Part("x", lambda scene: scene.signals.smooth_x), Part("y", lambda scene: scene.torque)
+SPRING = PARTS["the spring"]
 
 
 class StressRelaxation(Effect):
@@ -84,7 +82,6 @@ class StressRelaxation(Effect):
         pace = float(np.std(s.smooth_x)) / max(float(np.std(s.speed)), 1e-300)
         low = min(max(4.0 * s.interval, QUICK * pace), 0.2 * high)
         times = geometric(max(low, span / 1500.0), high, 10)
-        free = (0.0,), (np.inf,)
         limits = (low, 1.2 * high)
 
         def two(size: str) -> list[tuple[str, str]]:
@@ -93,40 +90,46 @@ class StressRelaxation(Effect):
         def three(size: str) -> list[tuple[str, str]]:
             return [(size, "time_constant"), (f"{size}_2", "4 * time_constant"), (f"{size}_3", "16 * time_constant")]
 
-        def branches(name: str, law: Columns, simpler: str, equation: str) -> Form:
+        def branch(name: str, part: Part, down: bool, size: str = "share") -> Form:
+            law, equation = _law(part, down, (size, "time_constant"))
+            return Form(
+                name, (size,), law, (0.0,), (np.inf,), ("time_constant",), [(t,) for t in (times[::2] if down else times)],
+                [limits], borders=[LOW], equation=equation,
+            )  # fmt: skip
+
+        def branches(name: str, part: Part, down: bool, simpler: str) -> Form:
+            law, equation = _law(part, down, *two("share"))
             return Form(
                 name, ("share", "share_2"), law, (0.0,) * 2, (np.inf,) * 2, ("time_constant", "time_constant_2"), (),
                 [limits, limits], (simpler,), lambda shape, _: (max(0.4 * shape[0], low), min(2.5 * shape[0], high)),
                 equation=equation,
             )  # fmt: skip
 
-        def spectrum(name: str, law: Columns, simpler: str, equation: str) -> Form:
+        def spectrum(name: str, part: Part, down: bool, simpler: str) -> Form:
+            law, equation = _law(part, down, *three("share"))
             return Form(
                 name, ("share", "share_2", "share_3"), _spectrum(law), (0.0,) * 3, (np.inf,) * 3, ("time_constant",), (),
                 [limits], (simpler,), lambda shape, _: (max(0.25 * shape[0], low),), equation=equation,
             )  # fmt: skip
 
-        one = (("time_constant",),)
         pairs = [(a, b) for a in times[::2] for b in times[1::2] if b > 4.0 * a]
+        of_two, told_two = _law(DEFLECTION, False, *two("stiffness"))
+        of_three, told_three = _law(DEFLECTION, False, *three("stiffness"))
         return [
-            Form("one branch", ("stiffness",), _of_deflection, *free, *one, [(t,) for t in times], [limits],
-                 borders=[LOW], equation=_equation("x", two("stiffness")[0])),
-            Form("of the torque", ("share",), _of_torque, *free, *one, [(t,) for t in times], [limits],
-                 borders=[LOW], equation=_equation("y", two("share")[0])),
-            Form("from the torque down", ("share",), _creep, *free, *one, [(t,) for t in times[::2]], [limits],
-                 borders=[LOW], equation=_equation_down("y", two("share")[0])),
-            Form("two branches", ("stiffness", "stiffness_2"), _of_deflection, (0.0, 0.0), (np.inf, np.inf),
-                 ("time_constant", "time_constant_2"), pairs, [limits, limits], equation=_equation("x", *two("stiffness"))),
-            Form("spectrum", ("stiffness", "stiffness_2", "stiffness_3"), _spectrum(_of_deflection), (0.0,) * 3, (np.inf,) * 3,
-                 *one, [(t,) for t in times[:7]], [limits], equation=_equation("x", *three("stiffness"))),
-            Form("from the spring down", ("share",), _creep_of_spring, *free, *one, [(t,) for t in times[::2]], [limits],
-                 borders=[LOW], equation=_equation_down("y_spring", two("share")[0])),
-            branches("from the torque down, two branches", _creep, "from the torque down", _equation_down("y", *two("share"))),
-            spectrum("from the torque down, spectrum", _creep, "from the torque down", _equation_down("y", *three("share"))),
-            branches("from the spring down, two branches", _creep_of_spring, "from the spring down", _equation_down("y_spring", *two("share"))),
-            spectrum("from the spring down, spectrum", _creep_of_spring, "from the spring down", _equation_down("y_spring", *three("share"))),
-            branches("two branches of the torque", _of_torque, "of the torque", _equation("y", *two("share"))),
-            branches("two branches of the spring", _of_spring, "of the torque", _equation("y_spring", *two("share"))),
-            spectrum("spectrum of the torque", _of_torque, "of the torque", _equation("y", *three("share"))),
-            spectrum("spectrum of the spring", _of_spring, "of the torque", _equation("y_spring", *three("share"))),
+            branch("one branch", DEFLECTION, False, "stiffness"),
+            branch("of the torque", TORQUE, False),
+            branch("from the torque down", TORQUE, True),
+            Form("two branches", ("stiffness", "stiffness_2"), of_two, (0.0, 0.0), (np.inf, np.inf),
+                 ("time_constant", "time_constant_2"), pairs, [limits, limits], equation=told_two),
+            Form("spectrum", ("stiffness", "stiffness_2", "stiffness_3"), _spectrum(of_three), (0.0,) * 3, (np.inf,) * 3,
+                 ("time_constant",), [(t,) for t in times[:7]], [limits], equation=told_three),
+            branch("from the spring down", SPRING, True),
+            branches("from the torque down, two branches", TORQUE, True, "from the torque down"),
+            spectrum("from the torque down, spectrum", TORQUE, True, "from the torque down"),
+            branches("from the spring down, two branches", SPRING, True, "from the spring down"),
+            spectrum("from the spring down, spectrum", SPRING, True, "from the spring down"),
+            branches("two branches of the torque", TORQUE, False, "of the torque"),
+            branches("two branches of the spring", SPRING, False, "of the torque"),
+            spectrum("spectrum of the torque", TORQUE, False, "of the torque"),
+            spectrum("spectrum of the spring", SPRING, False, "of the torque"),
         ]  # fmt: skip

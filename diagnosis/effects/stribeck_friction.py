@@ -34,7 +34,7 @@ def _own_friction(scene: Scene, shape: tuple[float, ...]) -> Floats:
 
 
 HARDLY = 0.08
-"""Excess over sliding friction, and share of what it makes, below which there is hardly any."""
+"""Share of the friction that the excess makes, below which there is hardly any."""
 CURVES = (
     ("p = 2", "exp(-(v / stribeck_speed)**2)", _gaussian),
     ("p = 1", "exp(-abs(v) / stribeck_speed)", _exponential),
@@ -97,7 +97,7 @@ class StribeckFriction(Effect):
         more = excess * _gaussian(speed / parameters["stribeck_speed"])
         # What the transition of the sign hides at low speed is not there.
         sign = np.tanh(speed / parameters["transition_speed"]) if "transition_speed" in parameters else 1.0
-        return excess < HARDLY * friction or rms(more * sign) < HARDLY * rms((friction + more) * sign)
+        return rms(more * sign) < HARDLY * rms((friction + more) * sign)
 
     def forms(self, scene: Scene) -> list[Form]:
         fast = rms(scene.signals.speed)

@@ -69,6 +69,16 @@ def _slow_wave(name: str) -> str:
     return f"{name} * sin(2 * pi * t / period) + {name}_cos * (cos(2 * pi * t / period) - 1)"
 
 
+def _both(warming: str) -> str:
+    """Drift of the zero and of the stiffness."""
+    return f"zero_drift * {warming} + stiffness_drift * {warming} * y"
+
+
+def _each(warming: str) -> str:
+    """Drift of the spring and of the friction."""
+    return f"spring_drift * {warming} * y_spring + friction_drift * {warming} * y_memory"
+
+
 def _form(
     name: str,
     equation: str,
@@ -80,18 +90,8 @@ def _form(
 ) -> Form:
     """A law that may drift either way."""
     count = len(coefficients)
-    free = (-np.inf,) * count, (np.inf,) * count
-    return Form(
-        name,
-        coefficients,
-        columns,
-        *free,
-        shapes,
-        grid,
-        limits,
-        borders=[LOW] * len(shapes),
-        equation=f"y += {equation}",
-    )
+    return Form(name, coefficients, columns, (-np.inf,) * count, (np.inf,) * count, shapes, grid, limits,
+                borders=[LOW] * len(shapes), equation=f"y += {equation}")  # fmt: skip
 
 
 class ThermalDrift(Effect):
@@ -132,20 +132,10 @@ class ThermalDrift(Effect):
         heating = ("time_constant",), constants[1::2], limits
         # What heats all the time and has soon settled would be an offset.
         slowly = ("time_constant",), [(t,) for t in geometric(0.2 * span, 1.2 * span, 3)], [(0.12 * span, 3.0 * span)]
-        heated = _form(
-            "stiffness, self-heating",
-            f"stiffness_drift * {HEATED} * y",
-            stiffness,
-            times(_self_heating, _torque),
-            *heating,
-        )
-        warmed = _form(
-            "stiffness, exponential",
-            f"stiffness_drift * {EXPONENTIAL} * y",
-            stiffness,
-            times(_warming, _torque),
-            *warming,
-        )
+        heated = _form("stiffness, self-heating", f"stiffness_drift * {HEATED} * y", stiffness,
+                       times(_self_heating, _torque), *heating)  # fmt: skip
+        warmed = _form("stiffness, exponential", f"stiffness_drift * {EXPONENTIAL} * y", stiffness,
+                       times(_warming, _torque), *warming)  # fmt: skip
         rubbed = _form("stiffness, friction heating", f"stiffness_drift * {RUBBED} * y", stiffness,
                        times(_friction_heating, _torque), *heating)  # fmt: skip
         waved = _form("stiffness, slow wave", f"({_slow_wave('stiffness_drift')}) * y", (*stiffness, "stiffness_drift_cos"),
@@ -161,16 +151,11 @@ class ThermalDrift(Effect):
             _form("stiffness, linear", "stiffness_drift * t * y", stiffness, times(_warming, _torque)),
             warmed,
             waved,
-            _form("zero and stiffness, linear", "zero_drift * t + stiffness_drift * t * y", zero + stiffness,
-                  times(_warming, _zero, _torque)),
-            _form("zero and stiffness, exponential", f"zero_drift * {EXPONENTIAL} + stiffness_drift * {EXPONENTIAL} * y",
-                  zero + stiffness, times(_warming, _zero, _torque), *warming),
-            _form("zero and stiffness, self-heating", f"zero_drift * {HEATED} + stiffness_drift * {HEATED} * y",
-                  zero + stiffness, times(_self_heating, _zero, _torque), *heating),
-            _form("spring and friction, exponential",
-                  f"spring_drift * {EXPONENTIAL} * y_spring + friction_drift * {EXPONENTIAL} * y_memory", each, times(_warming, *both), *warming),
-            _form("spring and friction, self-heating",
-                  f"spring_drift * {HEATED} * y_spring + friction_drift * {HEATED} * y_memory", each, times(_self_heating, *both), *heating),
+            _form("zero and stiffness, linear", _both("t"), zero + stiffness, times(_warming, _zero, _torque)),
+            _form("zero and stiffness, exponential", _both(EXPONENTIAL), zero + stiffness, times(_warming, _zero, _torque), *warming),
+            _form("zero and stiffness, self-heating", _both(HEATED), zero + stiffness, times(_self_heating, _zero, _torque), *heating),
+            _form("spring and friction, exponential", _each(EXPONENTIAL), each, times(_warming, *both), *warming),
+            _form("spring and friction, self-heating", _each(HEATED), each, times(_self_heating, *both), *heating),
             *inside(heated, _self_heating),
             rubbed,
             *inside(rubbed, _friction_heating),
@@ -187,7 +172,6 @@ class ThermalDrift(Effect):
                     _form(f"zero by {name}", f"zero_drift * {risen}", zero, rise),
                     by_channel,
                     *inside(by_channel, rise),
-                    _form(f"zero and stiffness by {name}", f"zero_drift * {risen} + stiffness_drift * {risen} * y",
-                          zero + stiffness, times(rise, _zero, _torque)),
+                    _form(f"zero and stiffness by {name}", _both(risen), zero + stiffness, times(rise, _zero, _torque)),
                 ]  # fmt: skip
         return made
