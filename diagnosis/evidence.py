@@ -217,6 +217,20 @@ def _boxed(gram, moment, lower, upper, beta, reduction):
             reduction[i] += 2.0 * beta[i, a] * moment[i, a]
 
 
+@dataclass(frozen=True)
+class _Beside:
+    """What simulators of some scales make of a fit, stacked; m tangent modes."""
+
+    modes: Floats
+    """Shape (scales · m, m): the modes, each by the root of its share that the refit absorbs."""
+    gap: Floats
+    """The gap's components in them, shape (scales, m)."""
+    energy: Floats
+    """What the refit leaves of the gap's energy, shape (scales,)."""
+    freedom: Floats
+    """What the freedom of the simulator's parameters costs, shape (scales,)."""
+
+
 class Evidence:
     """Scores sets of effects on chosen samples of a recording.
 
@@ -261,8 +275,7 @@ class Evidence:
         self._gap_in_basis = self._basis.T @ self.gap
         self.gap_energy = float(self.gap @ self.gap)
         self._modes: dict[Scale, tuple[Floats, Floats, float]] = {}
-        self._gap_modes: dict[Scale, tuple[Floats, float]] = {}
-        """What the refit absorbs of the gap by tangent modes, and the energy that it leaves."""
+        self._stacked: dict[tuple[Scale, ...], _Beside] = {}
         for scale in self.scales:
             share = np.asarray(scale) / largest
             weighed = np.hstack([share[0] * factor[:, :split], share[1] * factor[:, split:]])
@@ -270,8 +283,6 @@ class Evidence:
             ratio = np.maximum(ratio, 0.0)
             absorbed = ratio / (1.0 + ratio)
             self._modes[scale] = absorbed, rotation, 0.5 * float(np.sum(np.log1p(self.thinning * ratio)))
-            turned = rotation.T @ self._gap_in_basis
-            self._gap_modes[scale] = absorbed * turned, self.gap_energy - float(turned @ (absorbed * turned))
         self._parts: dict[bytes, Evidence] = {}
         self.inadequacy = (INADEQUACY**2) * max(self.gap_energy / self.gap.size - self.sigma**2, 0.0)
 
@@ -325,21 +336,31 @@ class Evidence:
         """Half the log determinant of V: what the freedom of the simulator's parameters costs."""
         return self._modes[scale][2]
 
-    def score(self, rss: Floats | float, scale: Scale, unknowns: int) -> Floats:
-        """Logarithm of the evidence up to a constant; arrays of ``rss`` give arrays."""
+    def score(self, rss: Floats, scales: Sequence[Scale], unknowns: int) -> Floats:
+        """Logarithm of the evidence up to a constant of what ``rss`` (len(scales),) or (len(scales), m) is left."""
         effective = self.effective
-        misfit = np.maximum(np.asarray(rss) / self.size, 1e-4 * self.sigma**2) + self.inadequacy
-        freedom = self.complexity(scale) - self.plausibility[scale]
-        return -0.5 * effective * np.log(misfit) - freedom - 0.5 * unknowns * np.log(max(effective, 3.0))
+        misfit = np.maximum(rss / self.size, 1e-4 * self.sigma**2) + self.inadequacy
+        freedom = self._beside(tuple(scales)).freedom.reshape(-1, *[1] * (misfit.ndim - 1))
+        return np.asarray(-0.5 * effective * np.log(misfit) - freedom - 0.5 * unknowns * np.log(max(effective, 3.0)))
 
-    def reduced(self, gram: Floats, moment: Floats, inside: Floats, scale: Scale) -> tuple[Floats, Floats, float]:
-        """Whitened Φ'V⁻¹Φ, Φ'V⁻¹r and r'V⁻¹r from the plain products and Φ's tangent components ``inside``."""
-        absorbed, rotation = self.shrink(scale)
-        gap, energy = self._gap_modes[scale]
-        if not np.any(absorbed):
-            return gram, moment, energy
-        turned = rotation.T @ inside
-        return gram - turned.T @ (absorbed[:, None] * turned), moment - turned.T @ gap, energy
+    def reduced(
+        self, gram: Floats, moment: Floats, inside: Floats, scales: Sequence[Scale]
+    ) -> tuple[Floats, Floats, Floats]:
+        """Whitened Φ'V⁻¹Φ, Φ'V⁻¹r and r'V⁻¹r at each scale, from the plain products and Φ's tangent components ``inside``."""
+        beside = self._beside(tuple(scales))
+        shrunk = (beside.modes @ inside).reshape(len(scales), len(inside), moment.size)
+        turned = shrunk.transpose(0, 2, 1)
+        return gram - turned @ shrunk, moment - (turned @ beside.gap[:, :, None])[:, :, 0], beside.energy
+
+    def _beside(self, scales: tuple[Scale, ...]) -> _Beside:
+        """The simulators of these scales, stacked."""
+        if scales not in self._stacked:
+            modes = [np.sqrt(absorbed)[:, None] * rotation.T for absorbed, rotation, _ in (self._modes[scale] for scale in scales)]
+            gaps = [each @ self._gap_in_basis for each in modes]
+            freedom = [self.complexity(scale) - self.plausibility[scale] for scale in scales]
+            energy = [self.gap_energy - float(gap @ gap) for gap in gaps]
+            self._stacked[scales] = _Beside(np.vstack(modes), np.array(gaps), np.array(energy), np.array(freedom))
+        return self._stacked[scales]
 
     def whitened(self, series: Floats, scale: Scale) -> Floats:
         """V^(−1/2) applied to ``series`` (n,)."""
@@ -376,13 +397,11 @@ class Evidence:
         def beside_each(columns: Floats) -> list[Hypothesis]:
             chosen = columns if self._whole else columns[self.rows]
             products = chosen.T @ chosen, chosen.T @ self.gap, self.inside(chosen)
-            grams, moments, energies = zip(*(self.reduced(*products, scale) for scale in tried), strict=True)
-            beta, reduction = boxed_least_squares(np.array(grams), np.array(moments), lower, upper)
-            rss = np.maximum(np.array(energies) - reduction, 1e-12 * self.gap_energy)
-            return [
-                Hypothesis(ordered, scale, columns, b, float(left), float(self.score(left, scale, unknowns)))
-                for scale, b, left in zip(tried, beta, rss, strict=True)
-            ]
+            grams, moments, energies = self.reduced(*products, tried)
+            beta, reduction = boxed_least_squares(grams, moments, lower, upper)
+            rss = np.maximum(energies - reduction, 1e-12 * self.gap_energy)
+            each = zip(tried, beta, rss.tolist(), self.score(rss, tried, unknowns).tolist(), strict=True)
+            return [Hypothesis(ordered, scale, columns, b, left, score) for scale, b, left, score in each]
 
         unknowns = count_unknowns(ordered)
         found = beside_each(effect_columns(self.scene, ordered))

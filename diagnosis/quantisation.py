@@ -31,7 +31,11 @@ def torque_step(signals: Signals) -> float:
     if not 4.0 * middle < span < 1e4 * middle:
         return 0.0
     turns = np.arange(span / (1.5 * middle), span / (0.6 * middle), 1.0 / TRIES_A_TURN)
-    steps = span / turns
-    lengths = np.array([abs(np.mean(np.exp(2j * np.pi / step * moving))) for step in steps])
+    # From one number of turns to the next each value turns on by the same angle: no further exponentials.
+    wound, on = np.exp(2j * np.pi / span * np.array([[turns[0]], [1.0 / TRIES_A_TURN]]) * moving)
+    lengths = np.empty(turns.size)
+    for k in range(turns.size):
+        lengths[k] = abs(wound.mean())
+        wound *= on
     best = int(np.argmax(lengths))
-    return float(steps[best]) if lengths[best] > SURE else 0.0
+    return float(span / turns[best]) if lengths[best] > SURE else 0.0

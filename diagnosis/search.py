@@ -108,8 +108,8 @@ class Library:
     def moments(self, scale: Scale) -> tuple[Floats, Floats, float]:
         """Whitened Gram matrix, moments and energy at a scale of parameter errors."""
         if scale not in self._by_scale:
-            e = self.evidence
-            self._by_scale[scale] = e.reduced(self._gram, self._moment, self._inside, scale)
+            gram, moment, energy = self.evidence.reduced(self._gram, self._moment, self._inside, [scale])
+            self._by_scale[scale] = gram[0], moment[0], float(energy[0])
         return self._by_scale[scale]
 
     def extend(
@@ -147,7 +147,7 @@ class Library:
                     gram[index[:, :, None], index[:, None, :]], moment[index], lower, upper
                 )
                 rss = np.maximum(energy - reduction, 1e-12 * self.evidence.gap_energy)
-                best = np.maximum(best, self.evidence.score(rss, scale, unknowns))
+                best = np.maximum(best, self.evidence.score(rss[None], [scale], unknowns)[0])
             scores[chosen] = best
         found = []
         for numbers in self._laws:
