@@ -17,6 +17,8 @@ Floats = NDArray[np.float64]
 FOLDS = 5
 BLOCKS_A_FOLD = 12
 """At least."""
+SHORTEST = 2
+"""Samples of the shortest blocks, for what lasts a few samples in all."""
 MARGIN = 0.1
 """Part of a block's length that is left out of the fit on either side of it, so that memory does not leak."""
 UNSEEN = 0.01
@@ -43,14 +45,19 @@ class HeldOut:
     recalibration: Floats
 
 
+def _blocks_of(hypothesis: Hypothesis) -> int:
+    """Blocks a fold, so many that no effect hides in one of them, such as a stop that is touched once beside others."""
+    return max((_blocks(hypothesis.part(name)) for name in hypothesis.names), default=BLOCKS_A_FOLD)
+
+
 def _blocks(signal: Floats) -> int:
-    """Blocks a fold, so many that what is to be predicted does not hide in one of them (a stop touched once)."""
+    """Blocks a fold, so many that a signal does not hide in one of them."""
     energy = np.square(signal)
     total = float(energy.sum())
     if total == 0.0:
         return BLOCKS_A_FOLD
     busy = total**2 / float(energy @ energy)
-    return int(np.clip(signal.size / (FOLDS * busy / 5.0), BLOCKS_A_FOLD, max(signal.size // (8 * FOLDS), 1)))
+    return int(np.clip(signal.size / (FOLDS * busy / 5.0), BLOCKS_A_FOLD, max(signal.size // (SHORTEST * FOLDS), 1)))
 
 
 def _folds(evidence: Evidence, blocks: int) -> list[tuple[NDArray[np.bool_], NDArray[np.bool_]]]:
@@ -76,7 +83,7 @@ def held_out(evidence: Evidence, hypothesis: Hypothesis, evaluations: int = 4) -
     n = evidence.scene.torque.size
     signal, recalibration = np.zeros(n), np.zeros(n)
     parts = {name: np.zeros(n) for name in hypothesis.names}
-    for kept, out in _folds(evidence, _blocks(hypothesis.signal)):
+    for kept, out in _folds(evidence, _blocks_of(hypothesis)):
         seen = kept & evidence.rows
         part = evidence.on(seen)
         fitted = part.fit(hypothesis.terms, (hypothesis.scale,))

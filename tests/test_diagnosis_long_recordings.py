@@ -89,6 +89,18 @@ def test_what_one_block_alone_shows_is_not_predicted_from_the_others() -> None:
     assert np.max(np.abs(held.signal[hit])) < 6.0 * np.max(beyond) + 0.1
 
 
+def test_a_stop_met_once_does_not_hide_behind_what_is_always_there() -> None:
+    time, x = motion(3000, 30.0)
+    # Only the last samples reach the stop; blocks that suit the inertia would keep all of them from every fit.
+    x = x + 4.0 * np.maximum(time - 29.4, 0.0) ** 2
+    beyond = np.maximum(x - np.sort(x)[-10], 0.0)
+    assert np.flatnonzero(beyond)[0] == 2991
+    acceleration = np.gradient(np.gradient(x, time), time)
+    found = diagnose(signals(time, x, joint(x) + 0.008 * acceleration + beyond / np.max(beyond)))
+    assert set(found.verdict) == {"inertia", "end_stop"}
+    assert found.choice.features["closed"] > 0.9
+
+
 def moves_and_rests(size: int, seed: int) -> tuple[Floats, Floats]:
     rng, x, at, k = np.random.default_rng(seed), np.zeros(size), 0.0, 50
     while k < size:
