@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from .effects.base import INPUT
 from .evidence import Evidence, Hypothesis
-from .heldout import structured_power
+from .noise import FARTHEST, independent, noise_levels, structured_power
 
 __all__ = ["ALMOST_ALL", "INEXACT_NEAR", "emulated", "forgiven", "forgiven_here", "left_by", "left_to_noise"]
 
@@ -36,7 +36,9 @@ def left_to_noise(evidence: Evidence, left: Floats) -> float:
     """
     signals, floor, looked = evidence.scene.signals, evidence.sigma, float(np.mean(evidence.rows))
     left = np.clip(left, -KNOCK * floor, KNOCK * floor)
-    lasting = float(np.sqrt(max(structured_power(left, signals.runs, signals.stride) / looked, 0.0)) / floor)
+    # A gap that changes fast hides that its noise is correlated; what is left of it does not. What lasts longer counts anyway.
+    stride = max(signals.stride, independent(noise_levels(left, signals.runs)[:FARTHEST]))
+    lasting = float(np.sqrt(max(structured_power(left, signals.runs, stride) / looked, 0.0)) / floor)
     whole = float(np.sqrt(max(float(np.mean(np.square(left))) / looked / floor**2 - 1.0, 0.0)))
     return max(lasting, whole if whole > NOT_NOISE else 0.0)
 

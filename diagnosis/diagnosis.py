@@ -16,8 +16,9 @@ from .attribution import Place, locate
 from .effects.base import Effect
 from .emulation import SimulatorScene, emulate
 from .evidence import Evidence, Hypothesis
-from .heldout import HeldOut, closed_share, held_out, structured_power
+from .heldout import HeldOut, closed_share, held_out
 from .names import MISCALIBRATION, UNKNOWN
+from .noise import structured_power
 from .operators import rms
 from .precision import intervals, told
 from .refitting import refitted_beside

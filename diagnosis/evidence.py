@@ -355,7 +355,10 @@ class Evidence:
     def _beside(self, scales: tuple[Scale, ...]) -> _Beside:
         """The simulators of these scales, stacked."""
         if scales not in self._stacked:
-            modes = [np.sqrt(absorbed)[:, None] * rotation.T for absorbed, rotation, _ in (self._modes[scale] for scale in scales)]
+            modes = [
+                np.sqrt(absorbed)[:, None] * rotation.T
+                for absorbed, rotation, _ in (self._modes[scale] for scale in scales)
+            ]
             gaps = [each @ self._gap_in_basis for each in modes]
             freedom = [self.complexity(scale) - self.plausibility[scale] for scale in scales]
             energy = [self.gap_energy - float(gap @ gap) for gap in gaps]

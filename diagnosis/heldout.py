@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from .evidence import Evidence, Hypothesis
 from .operators import rms
 
-__all__ = ["HeldOut", "closed_share", "held_out", "structured_power"]
+__all__ = ["HeldOut", "closed_share", "held_out"]
 
 Floats = NDArray[np.float64]
 FOLDS = 5
@@ -128,12 +127,3 @@ def closed_share(gap: Floats, after: Floats, floor: float, seed: int) -> tuple[f
     interval = np.percentile(np.clip(share(drawn), -10.0, 1.5), [5.0, 95.0])
     low, high = sorted((min(float(interval[0]), everything), max(float(interval[1]), everything)))
     return rms(after), everything, [low, high]
-
-
-def structured_power(series: Floats, runs: Sequence[slice], stride: int = 1) -> float:
-    """Energy of ``series`` that lasts longer than a few times ``stride`` samples: its mean lagged product, free of noise."""
-    shortest = min(run.stop - run.start for run in runs)
-    lags = [lag for k in (1, 2, 3) if (lag := k * stride) < shortest]
-    total = sum(float(series[run][lag:] @ series[run][:-lag]) for run in runs for lag in lags)
-    count = sum(run.stop - run.start - lag for run in runs for lag in lags)
-    return total / max(count, 1)

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +16,7 @@ from scipy.ndimage import binary_dilation, median_filter
 from scipy.signal import savgol_coeffs, savgol_filter
 
 from ..models.motion import directions, noise_level, turning_points
+from .noise import FARTHEST, independent, noise_levels
 from .operators import SAME_STEP, bristle, lowpass, plays, resonated, rms
 
 __all__ = ["COORDINATES", "Signals", "differentiate"]
@@ -27,13 +27,8 @@ COORDINATES = (
 )  # fmt: skip
 APART = 0.05
 """Radians of the motion's mean frequency between samples whose noise counts as independent."""
-SETTLED, FILTERED = 1.04, (1.4, 1.18, 1.1)
-"""Factor by which noise grows from one stride to the next that is none, and the most, from each stride, that is noise's own:
-with a margin what a filter makes that correlates neighbours by a half."""
 SWING = 0.08
 """Part of the reach that a turn must swing back to be one."""
-FARTHEST = 3
-"""Samples; farther apart a hum would pass for noise."""
 KNOCK, KNOCK_SAMPLES, MOST_KNOCKS = 6.0, 4, 0.35
 """How far a knock leaves the running median (noise levels), how long it lasts at most, and the most of a recording."""
 CERTAIN = 2.5
@@ -95,31 +90,12 @@ class Signals:
         """Samples that lie apart as far as noise is told from structure: densely sampled noise is often filtered."""
         fastest = rms(self.speed) / max(float(np.std(self.smooth_x)), 1e-300)
         dense = int(np.clip(APART / max(fastest * self.interval, 1e-300), 1, FARTHEST))
-        return max(dense, self._independent())
+        return max(dense, independent(self._noise_levels))
 
     @cached_property
     def _noise_levels(self) -> list[float]:
         """Noise level of the gap's samples 1, 2, … apart, N·m."""
-
-        def apart(stride: int) -> float:
-            parts = [self.gap[run][k::stride] for run in self.runs for k in range(stride)]
-            squares = np.square([noise_level(part) for part in parts])
-            return float(np.sqrt(np.average(squares, weights=[part.size for part in parts])))
-
-        return [apart(stride) for stride in range(1, FARTHEST + 2)]
-
-    def _independent(self) -> int:
-        """Samples apart from where noise that is correlated over a few of them, as a filter leaves it, is no more so.
-
-        Its level then grows less and less from stride to stride and stays; that of anything that moves grows on.
-        """
-        growth = [later / max(level, 1e-300) for level, later in pairwise(self._noise_levels)]
-        for stride, (factor, most) in enumerate(zip(growth, FILTERED, strict=True), start=1):
-            if factor < SETTLED:
-                return stride
-            if factor > most:
-                return 1
-        return FARTHEST
+        return noise_levels(self.gap, self.runs)
 
     @cached_property
     def knocks(self) -> NDArray[np.bool_]:

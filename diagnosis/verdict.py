@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from .adequacy import ALMOST_ALL, emulated, forgiven_here, left_to_noise
 from .calibration import CONFIDENCE, confidence
 from .evidence import FINE, Evidence, Hypothesis, Term, count_unknowns, is_refitted
-from .heldout import HeldOut, held_out, structured_power
+from .heldout import HeldOut, held_out
 from .hum import hum
 from .names import GAIN, MISCALIBRATION, UNKNOWN
+from .noise import structured_power
 from .operators import rms
 from .parsimony import fewest, hardly_worse, simplest
 from .priors import BESIDE_OFF, IDLE, STANDS_IN, prior

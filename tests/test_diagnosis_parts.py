@@ -13,7 +13,8 @@ from hystbench.diagnosis.attribution import locate
 from hystbench.diagnosis.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.evidence import Evidence, Term, boxed_least_squares
 from hystbench.diagnosis.excitation import Limits, candidate_motions
-from hystbench.diagnosis.heldout import _folds, closed_share, structured_power
+from hystbench.diagnosis.heldout import _folds, closed_share
+from hystbench.diagnosis.noise import structured_power
 from hystbench.diagnosis.operators import bristle, lowpass, plays
 from hystbench.diagnosis.signals import Signals
 

@@ -22,9 +22,9 @@ from hystbench.diagnosis.blind.plants import plant_of
 from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
 from hystbench.diagnosis.excitation import design_next, margins
 from hystbench.diagnosis.from_benchmark import diagnose_model, gap_signals
-from hystbench.diagnosis.heldout import structured_power
 from hystbench.diagnosis.inputs import read_inputs
 from hystbench.diagnosis.known_causes import KNOWN_CAUSES, known_cause
+from hystbench.diagnosis.noise import structured_power
 from hystbench.diagnosis.signals import Signals
 
 Floats = NDArray[np.float64]

@@ -1,0 +1,54 @@
+"""Noise told from structure: what lasts longer than the few samples over which a filter correlates noise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..models.motion import noise_level
+
+__all__ = ["FARTHEST", "independent", "noise_levels", "structured_power"]
+
+Floats = NDArray[np.float64]
+SETTLED, FILTERED = 1.04, (1.4, 1.18, 1.1)
+"""Factor by which noise grows from one stride to the next that is none, and the most, from each stride, that is noise's own:
+with a margin what a filter makes that correlates neighbours by a half."""
+FARTHEST = 3
+"""Samples; farther apart a hum would pass for noise."""
+
+
+def noise_levels(series: Floats, runs: Sequence[slice]) -> list[float]:
+    """Noise level of samples of ``series`` (n,) that are 1, 2, … apart."""
+
+    def apart(stride: int) -> float:
+        parts = [series[run][k::stride] for run in runs for k in range(stride)]
+        squares = np.square([noise_level(part) for part in parts])
+        return float(np.sqrt(np.average(squares, weights=[part.size for part in parts])))
+
+    return [apart(stride) for stride in range(1, FARTHEST + 2)]
+
+
+def independent(levels: Sequence[float]) -> int:
+    """Samples apart from where noise that is correlated over a few of them, as a filter leaves it, is no more so.
+
+    Its level then grows less and less from stride to stride and stays; that of anything that moves grows on.
+    """
+    growth = [later / max(level, 1e-300) for level, later in pairwise(levels)]
+    for stride, (factor, most) in enumerate(zip(growth, FILTERED, strict=False), start=1):
+        if factor < SETTLED:
+            return stride
+        if factor > most:
+            return 1
+    return FARTHEST
+
+
+def structured_power(series: Floats, runs: Sequence[slice], stride: int = 1) -> float:
+    """Energy of ``series`` that lasts longer than a few times ``stride`` samples: its mean lagged product, free of noise."""
+    shortest = min(run.stop - run.start for run in runs)
+    lags = [lag for k in (1, 2, 3) if (lag := k * stride) < shortest]
+    total = sum(float(series[run][lag:] @ series[run][:-lag]) for run in runs for lag in lags)
+    count = sum(run.stop - run.start - lag for run in runs for lag in lags)
+    return total / max(count, 1)
