@@ -10,7 +10,6 @@ import pandas as pd
 import pytest
 from joints import clearance, sliders
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from hystbench import datasets, models
 from hystbench.bench.cells import fitted_on
@@ -24,7 +23,6 @@ from hystbench.diagnosis.excitation import design_next, margins
 from hystbench.diagnosis.from_benchmark import diagnose_model, gap_signals
 from hystbench.diagnosis.inputs import read_inputs
 from hystbench.diagnosis.known_causes import KNOWN_CAUSES, known_cause
-from hystbench.diagnosis.noise import structured_power
 from hystbench.diagnosis.signals import Signals
 
 Floats = NDArray[np.float64]
@@ -348,22 +346,3 @@ def test_known_causes_name_registered_datasets_models_and_effects() -> None:
         assert cause.effects <= set(registry.ids())
         assert cause.models <= set(models.ids())
     assert known_cause(models.get("lugre"), "mr-damper") is None
-
-
-# ---- noise that a filter has correlated over a few samples ---------------------------------------------------------------
-
-
-@pytest.mark.parametrize("correlation", [0.0, 0.4])
-def test_noise_that_is_correlated_over_a_few_samples_is_noise(correlation: float) -> None:
-    """As an anti-aliasing filter leaves it, on samples that are not dense: it is neither smaller nor structure."""
-    rng = np.random.default_rng(11)
-    time = np.arange(4000) * 0.02
-    x = np.sin(2.0 * np.pi * 0.31 * time) * (0.55 + 0.35 * np.sin(2.0 * np.pi * 0.047 * time)) * (1.0 - np.exp(-time))
-    white = 0.02 * rng.standard_normal(x.size)
-    noise = lfilter([np.sqrt(1.0 - correlation**2)], [1.0, -correlation], white)
-    spring, speed = 4.0 * x + 0.6 * x**3, np.gradient(x, time)
-    signals = Signals(time, x, spring + 0.15 * speed + noise, spring, [slice(0, x.size)], {})
-    assert signals.noise_floor == pytest.approx(0.02, rel=0.1)
-    assert structured_power(noise, signals.runs, signals.stride) < (0.3 * 0.02) ** 2
-    hum = spring + 0.05 * np.sin(2.0 * np.pi * 12.3 * time) + 0.1 * white
-    assert Signals(time, x, hum, spring, [slice(0, x.size)], {}).noise_floor < 0.05
