@@ -194,8 +194,22 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
             continue
         error = _relative_error(np.asarray(rival.predict(signals.x, signals.groups)), signals.y_sim)
         if error < best.error:
-            best = replace(_of_model(rival, signals, best.structure, best.bulk, best.split), name=name, error=error)
+            described = _of_model(rival, signals, best.structure, best.bulk, best.split)
+            best = replace(described, name=name, error=error, predict=_from_recorded_start(rival, signals))
     return best
+
+
+def _from_recorded_start(model: Any, signals: Signals) -> Callable[[Floats], Floats]:
+    """The model's output along another input, to which each run moves from where it was recorded to begin.
+
+    Friction that knows only of steps would not notice that a whole run is shifted.
+    """
+
+    def predict(x: Floats) -> Floats:
+        courses = (np.concatenate([signals.x[run][:1], x[run]]) for run in signals.runs)
+        return np.concatenate([np.asarray(model.predict(course))[1:] for course in courses])
+
+    return predict
 
 
 def answers_of(model: Any, signals: Signals) -> Callable[[Floats], Floats]:
