@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .operators import hyperbolic, leaky, lowpass, plays, rms, sliding, smooth, yielding
+from .operators import hardening, hyperbolic, leaky, lowpass, pinched, plays, rms, sliding, smooth, yielding
 
 __all__ = [
     "ELASTIC",
@@ -87,6 +87,11 @@ class Extent:
         """Of the sizes of a slider with mass: rad, rad/s, 1, rad/s, s; shape (5,)."""
         return np.array([self.reach, 1.0 / self.interval, 1.0, self.fast, self.interval])
 
+    @property
+    def metal(self) -> Floats:
+        """The same of a slider that hardens: rad, 1, rad, 1, rad; shape (5,)."""
+        return np.array([self.reach, 1.0, self.reach, 1.0, self.reach])
+
 
 @dataclass(frozen=True)
 class Kind:
@@ -157,6 +162,14 @@ def _stribeck(motion: Motion, length: float, pace: float, excess: float) -> Floa
 
 def _smooth(motion: Motion, length: float, exponent: float, share: float) -> Floats:
     return motion.from_rest(smooth, length=length, exponent=exponent, share=share)
+
+
+def _pinched(motion: Motion, length: float, *shape: float) -> Floats:
+    return motion.from_rest(lambda x: pinched(x, length, *shape))
+
+
+def _hardening(motion: Motion, *sizes: float) -> Floats:
+    return motion.from_rest(lambda x: hardening(x, *sizes))
 
 
 def _lag(motion: Motion, constant: float) -> Floats:
@@ -274,6 +287,28 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         _smooth_sizes,
         _by_row(_smooth),
         limits=lambda extent: np.array([[0.004 * extent.reach, 1.0, 0.3], [3.0 * extent.reach, 8.0, 3.0]]),
+    ),
+    # Timber, bolts and concrete: a loop that is slack in its middle.
+    "a few pinched sliders": Kind(
+        MEMORY, True,
+        lambda extent: _with(
+            extent.reach * np.geomspace(0.05, 1.0, 5), *itertools.product((1.0, 2.0), (0.75,), (0.5,), (0.1, 0.3), (0.3,))
+        ),
+        _by_row(_pinched),
+        {3: (0.0, 1.0), 5: (0.0, np.inf)},
+        limits=lambda extent: np.array([
+            [0.02 * extent.reach, 1.0, 0.3, 0.02, 0.005, 0.08], [3.0 * extent.reach, 4.0, 1.5, 0.95, 0.9, 1.5],
+        ]),
+    ),
+    # Metal that yields: its back stresses recall themselves.
+    "a few hardening sliders": Kind(
+        MEMORY, True,
+        lambda extent: extent.metal * _with(
+            np.geomspace(0.01, 0.4, 6), *itertools.product((0.3, 1.5), (0.05, 0.2), (0.2,), (1.0,))
+        ),
+        _by_row(_hardening),
+        {2: (0.0, np.inf), 4: (0.0, np.inf)},
+        limits=lambda extent: extent.metal * [[0.003, 0.02, 0.01, 0.01, 0.1], [1.0, 10.0, 1.0, 3.0, 10.0]],
     ),
     # A simulator with Stribeck friction: Canudas de Wit et al. (IEEE TAC 40, 1995).
     "Stribeck friction": Kind(

@@ -71,7 +71,7 @@ STEEPNESS = (0.02, 0.08, 0.3)
 DEGREE = 5
 # Registered models that compete with the built-in emulator, in seconds rather than minutes.
 COMPETITORS = ("prandtl-ishlinskii", "preisach", "dahl")
-GOOD_ENOUGH = 0.01
+GOOD_ENOUGH, RIVALLED = 0.01, 0.002
 REMEMBERED = 48
 """Effects' columns that are kept at a time."""
 
@@ -186,7 +186,7 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
         {"model": "generalised", "parameters": own.parameters()},
         own.parameters(),
     )
-    for name in COMPETITORS if own.error > GOOD_ENOUGH else ():
+    for name in COMPETITORS if own.error > RIVALLED else ():
         try:
             rival = models.get(name)().fit(signals.x, signals.y_sim, signals.groups)
         except (InputError, np.linalg.LinAlgError, RuntimeError):
@@ -323,8 +323,8 @@ class Generalised:
         selection = Selection(elements, signals.y_sim[some], of_one_sign)
         base = {STOPS: selection.places[STOPS][few]} | {name: selection.places[name] for name in (ELASTIC, "others")}
         chosen = selection.grow(base, growing, [KINKS])
-        if moved:
-            with_moved = selection.grow(base | {name: selection.places[name] for name in moved}, growing, [KINKS])
+        for name in moved:
+            with_moved = selection.grow(base | {name: selection.places[name]}, growing, [KINKS])
             # Sliders with mass also round corners that have nothing to do with mass.
             if selection.error(with_moved) < CLEARLY * selection.error(chosen):
                 chosen = with_moved

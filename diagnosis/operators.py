@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 __all__ = [
     "bristle",
     "free_flight",
+    "hardening",
     "hyperbolic",
     "leaky",
     "lowpass",
+    "pinched",
     "plays",
     "resonated",
     "rms",
@@ -26,6 +28,12 @@ SAME_STEP = 1e-9
 """Relative difference of two intervals that is only rounding of the times."""
 SMOOTH, SMALL = 0.4, 1e-3
 """Longest step along a smooth loop, in its own lengths over its steepness, and the shortest back to zero."""
+SETTLED = 1e-5
+"""Change on the way to a sample, over the largest torque, that may be made in one step."""
+NARROW = 0.4
+"""Longest step where a loop is pinched, over the width of the pinch."""
+NEWTON = 30
+"""Steps at most."""
 SUBSTEPS = 4
 """Steps of a mass between two samples."""
 
@@ -110,6 +118,62 @@ def _smooth(x, length, exponent, share, out):
             left -= h
         q *= way
         out[i] = q * length
+
+
+@njit(cache=True)
+def _pinched_rate(q, exponent, back, depth, place, width):
+    c = 1.0 if q > 0.0 else back
+    return (1.0 - depth * np.exp(-(((q - place) / width) ** 2))) * (1.0 - c * abs(q) ** exponent)
+
+
+@njit(cache=True)
+def _pinched(x, length, exponent, share, depth, place, width, out):
+    q, back = 0.0, 1.0 - 2.0 * share
+    longest = SMOOTH / (exponent * max(1.0, abs(back)))
+    out[0] = 0.0
+    for i in range(1, x.size):
+        way = 1.0 if x[i] > x[i - 1] else -1.0
+        left, q = abs(x[i] - x[i - 1]) / length, q * way
+        while left > 0.0:
+            # Short steps where it is pinched, and none far into there from outside.
+            h = min(left, longest, max(NARROW * width, 0.5 * (abs(q - place) - 4.0 * width) / max(1.0, abs(back))))
+            k1 = _pinched_rate(q, exponent, back, depth, place, width)
+            if abs(k1) * left < SETTLED:
+                # It slides, or hardly moves.
+                q += k1 * left
+                break
+            k2 = _pinched_rate(q + 0.5 * h * k1, exponent, back, depth, place, width)
+            k3 = _pinched_rate(q + 0.5 * h * k2, exponent, back, depth, place, width)
+            k4 = _pinched_rate(q + h * k3, exponent, back, depth, place, width)
+            q += h * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0
+            left -= h
+        q *= way
+        out[i] = q * length
+
+
+@njit(cache=True)
+def _hardening(x, length, ratio, recall, slow_ratio, slow_recall, out):
+    torque, fast, slow = 0.0, 0.0, 0.0
+    most, slow_most = ratio * recall, slow_ratio * slow_recall
+    out[0] = 0.0
+    for i in range(1, x.size):
+        torque += x[i] - x[i - 1]
+        over = torque - fast - slow
+        if abs(over) > length:
+            way = 1.0 if over > 0.0 else -1.0
+            # Flow that brings the torque back to where it yields. Over it the back stresses approach their limits
+            # exponentially, so Newton's steps from none come ever closer without passing.
+            a, b, flow = most - way * fast, slow_most - way * slow, 0.0
+            for _ in range(NEWTON):
+                one, two = a * np.exp(-flow / recall), b * np.exp(-flow / slow_recall)
+                beyond = way * torque - flow - most + one - slow_most + two - length
+                flow += beyond / (1.0 + one / recall + two / slow_recall)
+                if beyond < 1e-9 * length:
+                    break
+            torque -= way * flow
+            fast = way * (most - a * np.exp(-flow / recall))
+            slow = way * (slow_most - b * np.exp(-flow / slow_recall))
+        out[i] = torque
 
 
 @njit(cache=True)
@@ -292,6 +356,31 @@ def smooth(x: Floats, length: float, exponent: float, share: float) -> Floats:
     """
     out = np.empty(x.size)
     _smooth(np.ascontiguousarray(x), float(length), float(exponent), float(share), out)
+    return out
+
+
+def pinched(
+    x: Floats, length: float, exponent: float, share: float, depth: float, place: float, width: float
+) -> Floats:
+    """The same whose stiffness falls by the share ``depth`` where it is ``place`` of ``length`` past zero, shape (n,).
+
+    The pinch is as wide as ``width`` of ``length`` (Baber and Noori, J. Eng. Mech. 111, 1985, 1010–1026).
+    """
+    out = np.empty(x.size)
+    x = np.ascontiguousarray(x)
+    _pinched(x, float(length), float(exponent), float(share), float(depth), float(place), float(width), out)
+    return out
+
+
+def hardening(x: Floats, length: float, ratio: float, recall: float, slow_ratio: float, slow_recall: float) -> Floats:
+    """Elastic-plastic element of unit stiffness over ``x`` (n,) from rest that yields at ``length`` and hardens, shape (n,).
+
+    Its middle moves with the plastic flow by two back stresses, each of the stiffness ``ratio`` and recalled over the flow
+    ``recall``, rad (Armstrong and Frederick, 1966; Chaboche, Int. J. Plasticity 2, 1986, 149–188).
+    """
+    out = np.empty(x.size)
+    x = np.ascontiguousarray(x)
+    _hardening(x, float(length), float(ratio), float(recall), float(slow_ratio), float(slow_recall), out)
     return out
 
 

@@ -32,10 +32,10 @@ HOPELESS = 0.97
 def placed(
     kinds: Mapping[str, Kind], extent: Extent, motion: Motion, beside: Floats, target: Floats
 ) -> dict[str, Floats]:
-    """Elements of the one of these kinds that emulate ``target`` (n,) best beside free columns (n, any).
+    """Elements of each of these kinds that emulate ``target`` (n,) best beside free columns (n, any).
 
-    Kinds with more sizes must be clearly better than those with fewer. Returns the elements' sizes (k, m) by its name;
-    nothing where none of them is worthwhile.
+    Returns their sizes (k, m) by the kind's name, those with fewer sizes first. Those that are not clearly better than a
+    kind before them are left out.
     """
     rows = _rows(motion)
     thin = motion.at(rows)
@@ -57,15 +57,15 @@ def placed(
         )
         return _Maker(kind, extent, lambda sizes: beyond(made(sizes)), goal)
 
-    best: dict[str, Floats] = {}
+    better: dict[str, Floats] = {}
     least = float(np.linalg.norm(goal))
     for name, kind in sorted(kinds.items(), key=lambda each: each[1].width):
         sizes, error = maker_of(kind).made()
         if sizes.size and error < CLEARLY * least:
-            best, least = {name: sizes}, error
+            better[name], least = sizes, error
         if least < EXACT:
             break
-    return best
+    return better
 
 
 def _rows(motion: Motion) -> NDArray[np.intp]:

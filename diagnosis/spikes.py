@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .operators import rms
-from .signals import Signals
 
 __all__ = ["OUTLIERS", "spikes"]
 
+Floats = NDArray[np.float64]
 FAR = 5.0
 """Noise levels beyond which a sample stands out."""
 LARGE = 2.0
@@ -17,11 +18,10 @@ OUTLIERS = 0.002
 """Share of the samples up to which they are a few outliers of a recording that has no gap otherwise."""
 
 
-def spikes(signals: Signals) -> float:
-    """Share of the samples that stand far out of the noise where they make up most of the gap; 0 otherwise.
+def spikes(gap: Floats) -> float:
+    """Share of the samples of a ``gap`` (n,), in noise levels, that stand far out where they make up most of it; 0 otherwise.
 
     The noise's level is a robust one and what knocks for a moment is cut off, so that spikes pass for noise however
     large they are.
     """
-    gap = signals.gap[signals.judged] / signals.noise_floor
     return float(np.mean(np.abs(gap) > FAR)) if rms(gap) > LARGE else 0.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -55,6 +55,8 @@ LITTLE = 0.1
 """Size of an explanation over that of the gap below which it explains nothing."""
 SUBSTANTIAL = 0.3
 """Size of an effect over the gap's that is more than a patch on a simulator that is off."""
+SWAPPED = 2
+"""Effects in one of two sets only, where one effect is in the place of another."""
 IMAGED = 0.85
 """Confidence that what explains the gap only as an image of another effect is not its cause: 13 of 13 on development joints."""
 BARELY = 1.2
@@ -223,10 +225,14 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
         # Little is left over, which says otherwise that the verdict ought to be another.
         stated = max(stated, IMAGED)
     if verdict and verdict != [UNKNOWN] and stated < DOUBT and not evidence.fitted:
-        verdict, stated = [UNKNOWN], 1.0 - stated
+        either = _either_of_two(field, best, verdict, features, supported)
+        # Of two the one named is the likelier.
+        verdict, stated = ([UNKNOWN], 1.0 - stated) if either < DOUBT else (verdict, max(stated, 0.5 * either))
     step = torque_step(signals) if verdict == [] else 0.0
     frequency = hum(signals) if verdict == [] else 0.0
-    standing_out = spikes(signals) if verdict == [] else 0.0
+    # What a simulator that is off by a little would close is no spike, nor is what its refit makes of one.
+    smaller = np.minimum(np.abs(signals.gap), np.abs(misfit_refit))[rows]
+    standing_out = spikes(smaller / signals.noise_floor) if verdict == [] else 0.0
     if step > 0.0 or frequency > 0.0 or standing_out > OUTLIERS:
         # They pass for noise, but a finer or better shielded sensor would close them.
         verdict = [UNKNOWN]
@@ -235,6 +241,17 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
         posterior, odds, list(field.ranked), recalibration_rivals(evidence, verdict, best, own, found, tempered), tempered,
         step, frequency, standing_out, images,
     )  # fmt: skip
+
+
+def _either_of_two(
+    field: _Field, best: Hypothesis, verdict: Sequence[str], features: Mapping[str, float], supported: float
+) -> float:
+    """Confidence in several effects of which one may have to be swapped for another: told as ambiguous, it is no doubt of all."""
+    if len(best.names) < 2:
+        return 0.0
+    ranked = zip(field.ranked, field.scores.tolist(), strict=True)
+    apart = [score for h, score in ranked if not is_nested(h, best) and len(h.names ^ best.names) != SWAPPED]
+    return confidence(CONFIDENCE, verdict, {**features, "margin": supported - max(apart, default=-np.inf)})
 
 
 def _rather_off(evidence: Evidence, best: Hypothesis, found: Sequence[Hypothesis], size: float) -> Hypothesis:

@@ -124,6 +124,37 @@ def heavy(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return out
 
 
+def pinching(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Bouc-Wen with the pinching of Baber and Noori, as printed, explicit in small steps."""
+    z, out = 0.0, np.zeros(x.size)
+    beta, gamma, n = 2.0 * (1.0 + e), 0.8 * (1.0 - e), 1.4
+    most = (1.0 / (beta + gamma)) ** (1.0 / n)
+    for i in range(1, x.size):
+        step = (x[i] - x[i - 1]) / 40
+        for _ in range(40):
+            h = 1.0 - 0.6 * (1.0 - e) * np.exp(-(((z * np.sign(step) - 0.15 * most) / (0.2 * (1.0 + e))) ** 2))
+            z += h * (step - beta * abs(step) * abs(z) ** (n - 1.0) * z - gamma * step * abs(z) ** n)
+        out[i] = z
+    return 0.8 * (1.0 + e) * x + 3.0 * out
+
+
+def metal(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Plasticity with two back stresses that recall themselves, by small steps back to the yield limit."""
+    torque, fast, slow, out = 0.0, 0.0, 0.0, np.zeros(x.size)
+    limit = 0.5 * (1.0 + e)
+    for i in range(1, x.size):
+        for _ in range(40):
+            torque += 10.0 * (x[i] - x[i - 1]) / 40
+            over = abs(torque - fast - slow) - limit
+            if over > 0.0:
+                way = np.sign(torque - fast - slow)
+                rates = 12.0 * (1.0 + e) * way - 15.0 * fast, 3.0 * (1.0 - e) * way - 2.0 * slow
+                flow = over / (10.0 + way * sum(rates))
+                torque, fast, slow = torque - 10.0 * way * flow, fast + rates[0] * flow, slow + rates[1] * flow
+        out[i] = torque
+    return (1.0 + e) * x + out
+
+
 def damper(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """Spencer's damper of magnetorheological fluid: a smooth loop in series with a dashpot, explicit in small steps."""
     steps, behind, hysteretic, out = 40, 5.0 * (1.0 - e), 0.0, np.zeros(x.size)
@@ -163,6 +194,8 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "viscoelastic": (viscoelastic, 0.02),
     "saturating": (saturating, 0.02),
     "heavy": (heavy, 0.002),
+    "pinching": (pinching, 0.001),
+    "metal": (metal, 0.001),
     "damper": (damper, 0.01),
     "hardly yielding": (hardly_yielding, 0.0003),
     "lagging": (lagging, 0.01),
@@ -223,6 +256,30 @@ def test_joint_of_an_engine_behind_a_servo_is_followed_to_a_thousandth() -> None
     time, x = motion(40.0, 2.0, 0.5, 1.0)
     wanted = servo(time, 0.85 * x)
     assert np.std(generalised.anew(0.85 * x) - wanted) < 0.0015 * np.std(wanted)
+
+
+def dahl(time: Floats, x: Floats) -> Floats:
+    """Dahl friction of any exponent beside a spring that softens, explicit in small steps from rest at zero."""
+    friction, before, out = 0.0, 0.0, np.zeros(x.size)
+    for i, now in enumerate(x):
+        step = (now - before) / 40
+        for _ in range(40):
+            friction += 30.0 * step * max(1.0 - friction * np.sign(step), 0.0) ** 1.6
+        before, out[i] = now, friction
+    return 3.0 * x - 0.8 * x**3 + out
+
+
+def test_simulator_of_a_registered_kind_is_emulated_as_such_and_a_shifted_run_shows_in_its_friction() -> None:
+    signals = recorded(dahl, lambda time, x: dahl(time, x + 0.05))
+    emulator = emulate(signals, None)
+    assert emulator.name == "dahl"
+    assert emulator.error < 0.002
+    # From home to where it really is friction builds up before the first sample.
+    change = emulator.predict(signals.x + 0.05) - emulator.predict(signals.x)
+    wanted = dahl(signals.time, signals.x + 0.05) - signals.y_sim
+    assert wanted[0] > 5.0 * np.std(wanted[-1000:])
+    assert np.max(np.abs(change - wanted)) < 0.05 * np.max(np.abs(wanted))
+    assert diagnose(signals).verdict == ["deflection_offset"]
 
 
 def test_sharp_sliders_are_found_where_they_yield_and_know_nothing_of_time() -> None:
@@ -290,7 +347,7 @@ def test_model_file_keeps_further_elements_and_tells_what_is_wrong_with_them() -
     assert np.std(made(further={}).predict(signals.x) - signals.y_sim) > 0.05 * np.std(signals.y_sim)
     for wrong in (
         3.0, {"rope": {"sizes": [[1.0]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]]}},
-        {"rubber": {"sizes": [[0.0]], "weights": [1.0]}}, {"a few sliders with mass": {"sizes": [[0.1, 30.0, 1.0, 0.0, 0.0]], "weights": [1.0]}}, {"leaky sliders": {"sizes": [[0.1, 0.0]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]], "weights": [1.0, 2.0]}}, {"kinks": {"sizes": [[0.1, 2.0]], "weights": [1.0]}},
+        {"rubber": {"sizes": [[0.0]], "weights": [1.0]}}, {"a few sliders with mass": {"sizes": [[0.1, 30.0, 1.0, 0.0, 0.0]], "weights": [1.0]}}, {"leaky sliders": {"sizes": [[0.1, 0.0]], "weights": [1.0]}}, {"a few pinched sliders": {"sizes": [[0.1, 1.0, 0.5, 1.0, 0.2, 0.2]], "weights": [1.0]}}, {"a few hardening sliders": {"sizes": [[0.1, 1.0, 0.0, 1.0, 0.5]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]], "weights": [1.0, 2.0]}}, {"kinks": {"sizes": [[0.1, 2.0]], "weights": [1.0]}},
     ):  # fmt: skip
         with pytest.raises(InputError) as told:
             made(further=wrong)
