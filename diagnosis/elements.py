@@ -281,11 +281,13 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         MEMORY, True,
         _smooth_sizes,
         _by_row(_smooth),
+        {1: (0.0, np.inf)},
     ),
     "a few smooth sliders": Kind(
         MEMORY, True,
         _smooth_sizes,
         _by_row(_smooth),
+        {1: (0.0, np.inf)},
         limits=lambda extent: np.array([[0.004 * extent.reach, 1.0, 0.3], [3.0 * extent.reach, 8.0, 3.0]]),
     ),
     # Timber, bolts and concrete: a loop that is slack in its middle.
@@ -295,7 +297,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
             extent.reach * np.geomspace(0.05, 1.0, 5), *itertools.product((1.0, 2.0), (0.75,), (0.5,), (0.1, 0.3), (0.3,))
         ),
         _by_row(_pinched),
-        {3: (0.0, 1.0), 5: (0.0, np.inf)},
+        {1: (0.0, np.inf), 3: (0.0, 1.0), 5: (0.01, np.inf)},
         limits=lambda extent: np.array([
             [0.02 * extent.reach, 1.0, 0.3, 0.02, 0.005, 0.08], [3.0 * extent.reach, 4.0, 1.5, 0.95, 0.9, 1.5],
         ]),

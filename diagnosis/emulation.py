@@ -72,6 +72,7 @@ DEGREE = 5
 # Registered models that compete with the built-in emulator, in seconds rather than minutes.
 COMPETITORS = ("prandtl-ishlinskii", "preisach", "dahl")
 GOOD_ENOUGH, RIVALLED = 0.01, 0.002
+"""Error, as a share of the output, from which elements of the other sign are tried, and from which those models compete."""
 REMEMBERED = 48
 """Effects' columns that are kept at a time."""
 

@@ -337,7 +337,7 @@ class Evidence:
         return self._modes[scale][2]
 
     def score(self, rss: Floats, scales: Sequence[Scale], unknowns: int) -> Floats:
-        """Logarithm of the evidence up to a constant of what ``rss`` (len(scales),) or (len(scales), m) is left."""
+        """Logarithm of the evidence up to a constant where ``rss``, shape (scales,) or (scales, m), is left."""
         effective = self.effective
         misfit = np.maximum(rss / self.size, 1e-4 * self.sigma**2) + self.inadequacy
         freedom = self._beside(tuple(scales)).freedom.reshape(-1, *[1] * (misfit.ndim - 1))

@@ -362,7 +362,7 @@ def smooth(x: Floats, length: float, exponent: float, share: float) -> Floats:
 def pinched(
     x: Floats, length: float, exponent: float, share: float, depth: float, place: float, width: float
 ) -> Floats:
-    """The same whose stiffness falls by the share ``depth`` where it is ``place`` of ``length`` past zero, shape (n,).
+    """What :func:`smooth` makes, its stiffness less by the share ``depth`` at ``place`` of ``length`` past zero, shape (n,).
 
     The pinch is as wide as ``width`` of ``length`` (Baber and Noori, J. Eng. Mech. 111, 1985, 1010–1026).
     """

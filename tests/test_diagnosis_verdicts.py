@@ -16,7 +16,7 @@ from hystbench.bench.cells import fitted_on
 from hystbench.datasets import Dataset, DatasetUnavailableError, Recording, concatenate
 from hystbench.datasets.recording_files import DEFAULT_TIME, DEFAULT_X, write_recording
 from hystbench.diagnosis.adequacy import forgiven
-from hystbench.diagnosis.blind.cases import Case, bank
+from hystbench.diagnosis.blind.cases import DEVELOPMENT_PLANTS, Case, bank
 from hystbench.diagnosis.blind.plants import plant_of
 from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
 from hystbench.diagnosis.excitation import design_next, margins
@@ -108,6 +108,13 @@ def test_what_is_as_good_beside_an_exact_simulator_is_ambiguous() -> None:
     case, found = developed(13050, "slip", "bouc-wen")
     assert case.effects == ("torque_offset",)
     assert found.ambiguous == [["deflection_offset", "torque_offset"]]
+
+
+def test_which_of_two_effects_stands_beside_another_is_ambiguous_and_not_unknown() -> None:
+    case, found = developed(18237, *DEVELOPMENT_PLANTS)
+    assert set(found.verdict) == set(case.effects) == {"stribeck_friction", "torque_offset"}
+    assert sorted(found.ambiguous[0]) == ["deflection_offset", "torque_offset"]
+    assert 0.2 < found.confidence < 0.6
 
 
 @pytest.mark.parametrize(("length", "torque", "duration"), [(57.3, 1e-3, 1.0), (1e-3, 1e4, 0.05), (1.0, 1.0, 20.0)])
