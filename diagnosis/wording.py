@@ -29,12 +29,22 @@ def sentence(found: Diagnosis) -> str:
     titles = {report.name: report.name.replace("_", " ") for report in found.effects}
     too_much = {term.effect.id for term in found.choice.hypothesis.terms if term.form.overdone} & set(found.verdict)
     titles |= {name: f"too much {titles[name]} in the simulator" for name in too_much}
-    named = [titles.get(name, name) for name in found.verdict if name != MISCALIBRATION]
+    named = [titles.get(name, name) + _instead(found, name) for name in found.verdict if name != MISCALIBRATION]
     if MISCALIBRATION in found.verdict:
         named.append("the simulator's own parameters, which are off")
     cause = named[0] if len(named) == 1 else f"{', '.join(named[:-1])} and {named[-1]}"
     closed = min(max(found.closed_in_all, 0.0), 1.0)
     return f"{gap} comes from {cause}; {'correcting' if too_much else 'adding'} that closes {100.0 * closed:.0f} % of it {sure}."
+
+
+def _instead(found: Diagnosis, name: str) -> str:
+    """What may stand in the place of one of the verdict's effects, in parentheses."""
+    pairs = (set(pair) for pair in found.ambiguous if name in pair)
+    others = sorted(other for pair in pairs for other in pair - set(found.verdict))
+    told = [
+        "the simulator's own parameters" if other == MISCALIBRATION else other.replace("_", " ") for other in others
+    ]
+    return f" (or {' or '.join(told)})" if told else ""
 
 
 def summary(found: Diagnosis, designed: bool) -> list[str]:

@@ -24,6 +24,7 @@ from hystbench.diagnosis.from_benchmark import diagnose_model, gap_signals
 from hystbench.diagnosis.inputs import read_inputs
 from hystbench.diagnosis.known_causes import KNOWN_CAUSES, known_cause
 from hystbench.diagnosis.signals import Signals
+from hystbench.diagnosis.wording import sentence
 
 Floats = NDArray[np.float64]
 NOISE = 0.015
@@ -115,6 +116,7 @@ def test_which_of_two_effects_stands_beside_another_is_ambiguous_and_not_unknown
     assert set(found.verdict) == set(case.effects) == {"stribeck_friction", "torque_offset"}
     assert sorted(found.ambiguous[0]) == ["deflection_offset", "torque_offset"]
     assert 0.2 < found.confidence < 0.6
+    assert "comes from stribeck friction and torque offset (or deflection offset); adding" in sentence(found)
 
 
 @pytest.mark.parametrize(("length", "torque", "duration"), [(57.3, 1e-3, 1.0), (1e-3, 1e4, 0.05), (1.0, 1.0, 20.0)])
