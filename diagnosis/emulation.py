@@ -1,9 +1,7 @@
 """The simulator as the diagnosis knows it: its output, how it answers to another input, and where its parameters lead.
 
 With a saved model the answer to another input is the model's own. With only a table of outputs, an emulator is
-identified from it: elastic polynomial + stop operators and Dahl bristles (weights of one sign) + stops weighed by position +
-rate terms, a generalised Prandtl-Ishlinskii model. Where that is not good enough, it takes in what simulators are made of
-besides (see :mod:`hystbench.diagnosis.elements`), and registered models compete with it.
+identified from it (see :mod:`hystbench.diagnosis.generalised`); where that is not good enough, registered models compete with it.
 
 The simulator's own parameters may be off by a few per cent. To first order that adds a combination of the emulator's
 *tangent* columns, of two kinds: the fine structure of the loop (each element's torque and its change with the
@@ -24,55 +22,16 @@ from numpy.typing import NDArray
 from .. import models
 from ..bench.arguments import time_argument
 from ..errors import InputError
-from .elements import (
-    ELASTIC,
-    KINDS,
-    KINKS,
-    MEMORY,
-    Extent,
-    Motion,
-    kinks_moved,
-    stronger_of,
-    tangents,
-    torque_of,
-    uncancelled,
-)
-from .operators import bristle, plays, rms, weighed
-from .placing import placed
-from .selection import CLEARLY, Selection, places_of, solve, spread, triangle
-from .signals import Signals, differentiate
+from .generalised import Generalised, motion_of, relative_error, spring_of, strength_of
+from .signals import Signals
 
-__all__ = [
-    "Emulator",
-    "Generalised",
-    "SimulatorScene",
-    "answers_of",
-    "emulate",
-    "motion_of",
-    "predict_generalised",
-    "spring_of",
-    "strength_of",
-]
+__all__ = ["Emulator", "SimulatorScene", "answers_of", "emulate"]
 
 Floats = NDArray[np.float64]
-ELEMENTS, FINER = 14, 40
-"""Stops; the finer ones contain the others."""
-STOPS = "stops"
-BRISTLES = 5
-PLACINGS = 4
-"""Steps in which kinks are moved to their places."""
-RATES_NEEDED = 1.1
-"""Error without the rate terms, over that with them, from which they are needed."""
-EMULATED = 0.001
-"""Error, as a share of the output, from which further elements are looked for."""
-PLACES = 4
-"""Ways in which an element's torque may depend on where it is."""
-STEEPNESS = (0.02, 0.08, 0.3)
-DEGREE = 5
 # Registered models that compete with the built-in emulator, in seconds rather than minutes.
 COMPETITORS = ("prandtl-ishlinskii", "preisach", "dahl")
-GOOD_ENOUGH, RIVALLED = 0.01, 0.002
-"""Error, as a share of the output, from which elements of the other sign are tried, and from which those models compete."""
+RIVALLED = 0.002
+"""Error, as a share of the output, from which they compete."""
 REMEMBERED = 48
 """Effects' columns that are kept at a time."""
 
@@ -193,7 +152,7 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
         except (InputError, np.linalg.LinAlgError, RuntimeError):
             # This model cannot describe such a simulator: the emulator so far stays.
             continue
-        error = _relative_error(np.asarray(rival.predict(signals.x, signals.groups)), signals.y_sim)
+        error = relative_error(np.asarray(rival.predict(signals.x, signals.groups)), signals.y_sim)
         if error < best.error:
             described = _of_model(rival, signals, best.structure, best.bulk, best.split)
             best = replace(described, name=name, error=error, predict=_from_recorded_start(rival, signals))
@@ -229,280 +188,3 @@ def _of_model(model: Any, signals: Signals, structure: Floats, bulk: Floats, spl
 
     described = {"model": model.id, "parameters": dict(model.parameters_), "split": split}
     return Emulator("the simulator itself", 0.0, answers_of(model, signals), anew, structure, bulk, described, split)
-
-
-def _relative_error(predicted: Floats, wanted: Floats) -> float:
-    return rms(predicted - wanted) / max(float(np.std(wanted)), 1e-300)
-
-
-class Generalised:
-    """Elastic polynomial, stop operators, rate terms and further elements, identified by non-negative least squares."""
-
-    def __init__(self, signals: Signals) -> None:
-        self.signals = signals
-        self.reach = max(float(np.max(np.abs(signals.x))), 1e-300)
-        self.lengths = np.geomspace(0.01, 0.4, BRISTLES) * self.reach
-        self.fast = max(float(np.std(signals.speed)), 1e-300)
-        self.motion = motion_of(signals)
-        # Weights of one sign; what lags behind its input, as a piezo stage does, turns the other way round.
-        self._identify(1.0, ELEMENTS, {})
-        if self.error > GOOD_ENOUGH or np.any(self.rates):
-            first = vars(self).copy()
-            self._identify(-1.0, ELEMENTS, {})
-            if self.error >= first["error"]:
-                vars(self).update(first)
-        if self.error > EMULATED:
-            elements, further = self._enlarged()
-            if elements > ELEMENTS or further:
-                self._identify(self.sign, elements, further)
-            for _ in range(PLACINGS):
-                # There are none, or none is left: a kink at the end of the stroke has no torque, so no weight either.
-                if KINKS not in self.further:
-                    break
-                further[KINKS] = self._placed_kinks()
-                self._identify(self.sign, elements, further)
-
-    def _identify(self, sign: float, elements: int, further: Mapping[str, Floats]) -> None:
-        """Weights of all elements, of which those with memory have one sign."""
-        signals = self.signals
-        self.sign = sign
-        self.thresholds = _thresholds(self.reach, elements)
-        elastic, stops, placed = self._parts(self.thresholds)
-        made = {name: KINDS[name].columns(self.motion, sizes) for name, sizes in further.items()}
-        free = {ELASTIC: elastic, "placed": placed, "rates": self._rates()}
-        free |= {name: made[name] for name in made if not KINDS[name].one_sign}
-        bounded = {STOPS: sign * stops} | {name: sign * made[name] for name in made if KINDS[name].one_sign}
-        columns = np.hstack([*free.values(), *bounded.values()])
-        places, several = places_of(free | bounded), sum(part.shape[1] for part in free.values())
-        rows = triangle(columns, signals.y_sim)
-
-        def solved(at: NDArray[np.intp]) -> tuple[Floats, float]:
-            """Weights of the columns ``at``, zero of the others, and the error that they leave."""
-            weights = np.zeros(columns.shape[1])
-            free_ones = int(np.count_nonzero(at < several))
-            weights[at] = solve(rows[:, [*at, -1]], elastic.shape[1], free_ones, signals.x.size)
-            return weights, _relative_error(columns @ weights, signals.y_sim)
-
-        everything = np.arange(columns.shape[1])
-        solution, self.error = solved(everything)
-        # Speed is as good as friction where all strokes are alike, but it answers quite differently to another input:
-        # it has to be needed.
-        calm, without = solved(np.delete(everything, places["rates"]))
-        if without < RATES_NEEDED * self.error:
-            solution, self.error = calm, without
-        found = {name: solution[at] * (sign if name in bounded else 1.0) for name, at in places.items()}
-        self.elastic, self.placed, self.rates, self.weights = (
-            found.pop(name) for name in (ELASTIC, "placed", "rates", STOPS)
-        )
-        self.further = {
-            name: {"sizes": further[name][weights != 0.0], "weights": weights[weights != 0.0]}
-            for name, weights in found.items()
-            if np.any(weights)
-        }
-
-    def _enlarged(self) -> tuple[int, dict[str, Floats]]:
-        """How many stops, and the sizes of which further elements, are needed."""
-        signals = self.signals
-        elastic, stops, placed_stops = self._parts(_thresholds(self.reach, FINER))
-        duration = max(float(signals.time[run][-1] - signals.time[run][0]) for run in signals.runs)
-        extent = Extent(self.reach, self.fast, signals.interval, duration)
-        kinds = {name: kind for name, kind in KINDS.items() if signals.timed or not kind.timed}
-        sizes = {name: kind.sizes(extent) for name, kind in kinds.items() if kind.limits is None}
-        growing = [STOPS, *sizes]
-        few = np.concatenate([np.arange(0, FINER, _spacing(FINER)), np.arange(FINER, stops.shape[1])])
-        beside = np.hstack([elastic, stops[:, few], self._rates()])
-        movable = {name: kind for name, kind in kinds.items() if kind.limits}
-        moved = placed(movable, extent, self.motion, beside, signals.y_sim)
-        sizes |= moved
-        some = spread(signals.x.size)
-        others = np.hstack([placed_stops, self._rates()])[some]
-        elements = {STOPS: self.sign * stops[some], ELASTIC: elastic[some], "others": others} | {
-            name: (self.sign if kinds[name].one_sign else 1.0) * kinds[name].columns(self.motion, made)[some]
-            for name, made in sizes.items()
-        }
-        of_one_sign = [STOPS, *(name for name in sizes if kinds[name].one_sign)]
-        selection = Selection(elements, signals.y_sim[some], of_one_sign)
-        base = {STOPS: selection.places[STOPS][few]} | {name: selection.places[name] for name in (ELASTIC, "others")}
-        chosen = selection.grow(base, growing, [KINKS])
-        for name in moved:
-            with_moved = selection.grow(base | {name: selection.places[name]}, growing, [KINKS])
-            # Sliders with mass also round corners that have nothing to do with mass.
-            if selection.error(with_moved) < CLEARLY * selection.error(chosen):
-                chosen = with_moved
-        finer = chosen.pop(STOPS).size > few.size
-        del chosen[ELASTIC], chosen["others"]
-        return FINER if finer else ELEMENTS, {
-            name: sizes[name][at - selection.places[name][0]] for name, at in chosen.items()
-        }
-
-    def _placed_kinks(self) -> Floats:
-        """Sizes of the kinks, moved to where they leave least, by one step of a Gauss-Newton method."""
-        sizes, weights = self.further[KINKS]["sizes"], self.further[KINKS]["weights"]
-        moved = kinks_moved(self.motion, sizes, weights)
-        left = self.signals.y_sim - self.predict(self.signals.x)
-        kinks = KINDS[KINKS].columns(self.motion, sizes)
-        elastic = _elastic(self.signals.x, self.reach)
-        step = np.linalg.lstsq(np.hstack([moved, kinks, elastic]), left, rcond=1e-10)[0][: weights.size]
-        most = 0.04 * self.reach
-        return np.clip(sizes + np.clip(step, -most, most)[:, None], -self.reach, self.reach)
-
-    def _rates(self) -> Floats:
-        return _rates(self.signals.speed, self.signals.acceleration, self.fast)
-
-    def parameters(self) -> dict[str, Any]:
-        """All that :func:`predict_generalised` needs."""
-        return {
-            "reach": self.reach, "thresholds": self.thresholds, "lengths": self.lengths, "elastic": self.elastic,
-            "placed": self.placed, "weights": self.weights, "rates": self.rates, "fast": self.fast,
-            "further": self.further,
-        }  # fmt: skip
-
-    def _parts(self, thresholds: Floats) -> tuple[Floats, Floats, Floats]:
-        """Columns of the elastic curve, of the elements with memory, and of stops weighed by position."""
-        elements, u = _elements(self.motion, thresholds, self.lengths), _place(self.motion.x, self.reach)
-        placed = elements[:, : thresholds.size][:, _placed(thresholds.size)]
-        return _elastic(self.motion.x, self.reach), elements, np.hstack([placed * w[:, None] for w in _weights(u)])
-
-    def predict(self, x: Floats) -> Floats:
-        signals = self.signals
-        change = x - signals.x
-        speed, acceleration = signals.speed, signals.acceleration
-        if np.any(change):
-            # The change is far smoother than the measured input, so it may be differentiated as it is.
-            added = signals.slope(change)
-            speed = speed + added
-            acceleration = acceleration + signals.slope(added)
-        return predict_generalised(self.parameters(), Motion(signals.time, x, speed, acceleration, signals.runs))
-
-    def anew(self, x: Floats) -> Floats:
-        """Output over one new motion, sampled as the recordings are."""
-        time = self.signals.interval * np.arange(x.size, dtype=np.float64)
-        _, speed, acceleration = differentiate(time, x)
-        return predict_generalised(self.parameters(), Motion(time, x, speed, acceleration, [slice(0, x.size)]))
-
-    def tangent(self) -> tuple[Floats, Floats]:
-        """Columns (n, m) of structure and bulk, each the change for a relative error of one of some parameter."""
-        x = self.signals.x
-        elastic, stops, placed = self._parts(self.thresholds)
-        # A spring has no torque at rest, so neither has the change of a stiffness; a preload may be off by itself.
-        at_rest = np.polynomial.legendre.legvander(0.0, DEGREE)
-        preload = np.full((x.size, 1), float(at_rest[0] @ self.elastic))
-        sprung = elastic[:, 1:] - at_rest[:, 1:]
-        curve = sprung * self.elastic[1:]
-        odd, even = curve[:, ::2].sum(axis=1), curve[:, 1::2].sum(axis=1)
-        width = stops @ self.weights + placed @ self.placed + torque_of(self.further, self.motion, MEMORY)
-        size_odd, size_even = float(np.std(odd)), float(np.std(even))
-        unit = sprung / np.maximum(np.std(sprung, axis=0), 1e-300)
-        shapes = unit * np.array([size_odd if k % 2 == 0 else size_even for k in range(DEGREE)]) * 0.4
-        small = 1e-3
-        stretched = (self.predict((1.0 + small) * x) - self.predict((1.0 - small) * x)) / (2.0 * small)
-        stronger = _stronger(self.motion, self.thresholds, self.lengths)
-        fine, coarse = tangents(self.further, self.motion)
-        structure = np.hstack([self._each(stops), self._each(stronger), fine])
-        rates = self._rates() * self.rates
-        by_place = (placed * self.placed).reshape(x.size, PLACES, -1).sum(axis=2)
-        bulk = np.column_stack([
-            shapes, odd, even, preload, width, uncancelled(by_place), stretched, uncancelled(rates), coarse,
-        ])  # fmt: skip
-        return structure, bulk
-
-    def _each(self, elements: Floats) -> Floats:
-        """Stops and bristles (n, all of them), each with its weight."""
-        count, sizes = self.thresholds.size, np.abs(self.weights)
-        every = _spacing(count)
-        # An element that the sparse fit left out shares its neighbours' size: its parameters are unknown, not exact.
-        nearest = np.rint(np.arange(count) / every).astype(int)
-        coarse = np.concatenate([nearest, ELEMENTS + np.arange(self.lengths.size)])
-        whole = np.bincount(coarse, sizes)
-        shared = 0.5 * np.convolve(whole, np.ones(3) / 3.0, mode="same")
-        central = np.concatenate([np.arange(0, count, every), np.arange(count, sizes.size)])
-        small = whole < shared
-        kept = ~small[coarse] & (sizes > 0.0)
-        return np.hstack([elements[:, kept] * sizes[kept], elements[:, central[small]] * shared[small]])
-
-
-def motion_of(signals: Signals) -> Motion:
-    """The recorded input as the emulator's elements see it."""
-    return Motion(signals.time, signals.x, signals.speed, signals.acceleration, signals.runs)
-
-
-def _thresholds(reach: float, count: int) -> Floats:
-    return np.geomspace(0.004, 0.8, count) * reach
-
-
-def _elastic(x: Floats, reach: float) -> Floats:
-    return np.asarray(np.polynomial.legendre.legvander(_place(x, reach), DEGREE))
-
-
-def _elements(motion: Motion, thresholds: Floats, lengths: Floats) -> Floats:
-    """Stops and then bristles, shape (n, thresholds + lengths)."""
-    stops = motion.x[:, None] - np.concatenate([plays(motion.x[run], thresholds) for run in motion.runs])
-    bristles = [length * motion.from_rest(bristle, length=length) for length in lengths]
-    return np.column_stack([stops, *bristles])
-
-
-def _place(x: Floats, reach: float) -> Floats:
-    # Polynomials are not to be trusted far beyond the recorded stroke: they end there.
-    return np.asarray(np.clip(x / reach, -1.3, 1.3))
-
-
-def _spacing(elements: int) -> int:
-    """How many of so many stops there are for each coarse one."""
-    return max((elements - 1) // (ELEMENTS - 1), 1)
-
-
-def _placed(elements: int) -> slice:
-    """Those stops whose torque may depend on where they are: the same ones however many there are between them."""
-    every = 2 * _spacing(elements)
-    return slice(every, None, every)
-
-
-def _weights(u: Floats) -> tuple[Floats, ...]:
-    """How an element's torque may depend on its place, ``PLACES`` of them."""
-    return u, u * u, np.abs(u), u**3
-
-
-def _rates(speed: Floats, acceleration: Floats, fast: float) -> Floats:
-    """What a simulator with friction of its own may know of speed: damping, inertia, a regularised sign."""
-    return np.column_stack([speed, acceleration, *(np.tanh(speed / (share * fast)) for share in STEEPNESS)])
-
-
-def predict_generalised(parameters: Mapping[str, Any], motion: Motion) -> Floats:
-    """Output of the built-in emulator, N·m, shape (n,), from the virgin state in each run."""
-    x, weights = motion.x, np.asarray(parameters["weights"])
-    u = _place(x, parameters["reach"])
-    thresholds, lengths = np.asarray(parameters["thresholds"]), np.asarray(parameters["lengths"])
-    placed = np.zeros((PLACES, thresholds.size))
-    placed[:, _placed(thresholds.size)] = np.reshape(parameters["placed"], (PLACES, -1))
-    stops, signs = weights[: thresholds.size], weights[thresholds.size :]
-    y = np.polynomial.legendre.legval(u, parameters["elastic"])
-    # Summed as they come: the columns that an identification needs are never made, and most have no weight.
-    stopping, bristling = (stops != 0.0) | np.any(placed != 0.0, axis=0), signs != 0.0
-    thresholds, stops, placed = thresholds[stopping], stops[stopping], np.ascontiguousarray(placed[:, stopping])
-    lengths, signs = lengths[bristling], signs[bristling]
-    y += np.concatenate([weighed(x[run], u[run], thresholds, stops, placed, lengths, signs) for run in motion.runs])
-    y += torque_of(parameters.get("further", {}), motion)
-    if np.any(parameters["rates"]):
-        y += _rates(motion.speed, motion.acceleration, float(parameters["fast"])) @ parameters["rates"]
-    return np.asarray(y)
-
-
-def spring_of(parameters: Mapping[str, Any], x: Floats) -> Floats:
-    """The elastic part of the built-in emulator's output, without torque at rest, N·m, shape (n,)."""
-    elastic = np.asarray(parameters["elastic"])
-    curve = np.polynomial.legendre.legval(_place(x, parameters["reach"]), elastic)
-    kinks = torque_of(parameters.get("further", {}), Motion(x, x, x, x, [slice(0, x.size)]), ELASTIC)
-    return np.asarray(curve - np.polynomial.legendre.legval(0.0, elastic) + kinks)
-
-
-def strength_of(parameters: Mapping[str, Any], motion: Motion) -> Floats:
-    """Change of the built-in emulator's output for a relative change by one of the strength of what has memory."""
-    thresholds, lengths, weights = (np.asarray(parameters[name]) for name in ("thresholds", "lengths", "weights"))
-    further = stronger_of(parameters.get("further", {}), motion)
-    return np.asarray(_stronger(motion, thresholds, lengths) @ weights + further)
-
-
-def _stronger(motion: Motion, thresholds: Floats, lengths: Floats) -> Floats:
-    """Change of each element for a relative change by one of its strength at the same stiffness."""
-    wider, narrower = (_elements(motion, scale * thresholds, scale * lengths) for scale in (1.05, 0.95))
-    return np.asarray((wider - narrower) / 0.1)

@@ -11,10 +11,11 @@ import pytest
 from joints import sliders
 from numpy.typing import NDArray
 
-from hystbench.diagnosis import emulation
+from hystbench.diagnosis import generalised
 from hystbench.diagnosis.corrected import CorrectedSimulator
 from hystbench.diagnosis.diagnosis import diagnose
-from hystbench.diagnosis.emulation import Generalised, emulate, spring_of
+from hystbench.diagnosis.emulation import emulate
+from hystbench.diagnosis.generalised import Generalised, spring_of
 from hystbench.diagnosis.operators import hyperbolic
 from hystbench.diagnosis.signals import Signals
 from hystbench.errors import InputError
@@ -222,7 +223,7 @@ def test_answers_another_motion_as_the_simulator_would(name: str, monkeypatch: p
         return float(np.std(Generalised(signals).anew(x) - wanted) / np.std(wanted))
 
     found = error()
-    monkeypatch.setattr(emulation, "EMULATED", np.inf)
+    monkeypatch.setattr(generalised, "EMULATED", np.inf)
     assert found < min(allowed, 0.7 * error())
 
 
@@ -259,11 +260,11 @@ def test_joint_of_an_engine_behind_a_servo_is_followed_to_a_thousandth() -> None
             torque.append(data.sensordata[0])
         return np.asarray(torque)[::10]
 
-    generalised = Generalised(recorded(servo))
-    assert generalised.error < 0.001
+    found = Generalised(recorded(servo))
+    assert found.error < 0.001
     time, x = motion(40.0, 2.0, 0.5, 1.0)
     wanted = servo(time, 0.85 * x)
-    assert np.std(generalised.anew(0.85 * x) - wanted) < 0.0015 * np.std(wanted)
+    assert np.std(found.anew(0.85 * x) - wanted) < 0.0015 * np.std(wanted)
 
 
 def dahl(time: Floats, x: Floats) -> Floats:

@@ -15,7 +15,8 @@ from scipy.signal import lfilter, lsim
 from hystbench import models
 from hystbench.diagnosis.delivery import deliver
 from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
-from hystbench.diagnosis.emulation import Generalised, SimulatorScene, emulate, motion_of, spring_of, strength_of
+from hystbench.diagnosis.emulation import SimulatorScene, emulate
+from hystbench.diagnosis.generalised import Generalised, motion_of, spring_of, strength_of
 from hystbench.diagnosis.hum import hum
 from hystbench.diagnosis.signals import Signals
 from hystbench.diagnosis.wording import sentence
