@@ -38,10 +38,11 @@ def left_to_noise(evidence: Evidence, left: Floats) -> float:
     left = np.clip(left, -KNOCK * floor, KNOCK * floor)
     stride, noise = signals.stride, floor
     # A gap that changes fast hides that its noise is correlated; what is left of it does not. What lasts longer counts anyway.
-    levels = noise_levels(left, signals.runs)
-    apart = independent(levels[:FARTHEST])
-    if apart > stride:
-        stride, noise = apart, max(floor, levels[apart - 1])
+    if stride < FARTHEST:
+        levels = noise_levels(left, signals.runs, FARTHEST)
+        apart = independent(levels)
+        if apart > stride:
+            stride, noise = apart, max(floor, levels[apart - 1])
     lasting = float(np.sqrt(max(structured_power(left, signals.runs, stride) / looked, 0.0)) / floor)
     whole = float(np.sqrt(max(float(np.mean(np.square(left))) / looked / noise**2 - 1.0, 0.0)))
     return max(lasting, whole if whole > NOT_NOISE else 0.0)

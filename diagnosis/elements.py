@@ -146,6 +146,11 @@ def _by_row(column: Callable[..., Floats]) -> Callable[[Motion, Floats], Floats]
     return columns
 
 
+def _timeless(answer: Callable[..., Floats]) -> Callable[[Motion, Floats], Floats]:
+    """Columns of what an operator of given sizes answers to the deflection alone."""
+    return _by_row(lambda motion, *sizes: motion.from_rest(lambda x: answer(x, *sizes)))
+
+
 def _kink(motion: Motion, place: float) -> Floats:
     return np.asarray(np.maximum(motion.x - place, 0.0) if place > 0.0 else np.minimum(motion.x - place, 0.0))
 
@@ -158,18 +163,6 @@ def _stribeck(motion: Motion, length: float, pace: float, excess: float) -> Floa
     """A LuGre element that yields at a level which falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1."""
     level = 1.0 + excess * np.exp(-np.square(motion.speed / pace))
     return length * motion.from_rest(yielding, level, length=length)
-
-
-def _smooth(motion: Motion, length: float, exponent: float, share: float) -> Floats:
-    return motion.from_rest(smooth, length=length, exponent=exponent, share=share)
-
-
-def _pinched(motion: Motion, length: float, *shape: float) -> Floats:
-    return motion.from_rest(lambda x: pinched(x, length, *shape))
-
-
-def _hardening(motion: Motion, *sizes: float) -> Floats:
-    return motion.from_rest(lambda x: hardening(x, *sizes))
 
 
 def _lag(motion: Motion, constant: float) -> Floats:
@@ -280,13 +273,13 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     "smooth yielding": Kind(
         MEMORY, True,
         _smooth_sizes,
-        _by_row(_smooth),
+        _timeless(smooth),
         {1: (0.0, np.inf)},
     ),
     "a few smooth sliders": Kind(
         MEMORY, True,
         _smooth_sizes,
-        _by_row(_smooth),
+        _timeless(smooth),
         {1: (0.0, np.inf)},
         limits=lambda extent: np.array([[0.004 * extent.reach, 1.0, 0.3], [3.0 * extent.reach, 8.0, 3.0]]),
     ),
@@ -296,7 +289,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         lambda extent: _with(
             extent.reach * np.geomspace(0.05, 1.0, 5), *itertools.product((1.0, 2.0), (0.75,), (0.5,), (0.1, 0.3), (0.3,))
         ),
-        _by_row(_pinched),
+        _timeless(pinched),
         {1: (0.0, np.inf), 3: (0.0, 1.0), 5: (0.01, np.inf)},
         limits=lambda extent: np.array([
             [0.02 * extent.reach, 1.0, 0.3, 0.02, 0.005, 0.08], [3.0 * extent.reach, 4.0, 1.5, 0.95, 0.9, 1.5],
@@ -308,7 +301,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         lambda extent: extent.metal * _with(
             np.geomspace(0.01, 0.4, 6), *itertools.product((0.3, 1.5), (0.05, 0.2), (0.2,), (1.0,))
         ),
-        _by_row(_hardening),
+        _timeless(hardening),
         {2: (0.0, np.inf), 4: (0.0, np.inf)},
         limits=lambda extent: extent.metal * [[0.003, 0.02, 0.01, 0.01, 0.1], [1.0, 10.0, 1.0, 3.0, 10.0]],
     ),

@@ -152,10 +152,11 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
         except (InputError, np.linalg.LinAlgError, RuntimeError):
             # This model cannot describe such a simulator: the emulator so far stays.
             continue
-        error = relative_error(np.asarray(rival.predict(signals.x, signals.groups)), signals.y_sim)
+        predict = _from_recorded_start(rival, signals)
+        error = relative_error(predict(signals.x), signals.y_sim)
         if error < best.error:
             described = _of_model(rival, signals, best.structure, best.bulk, best.split)
-            best = replace(described, name=name, error=error, predict=_from_recorded_start(rival, signals))
+            best = replace(described, name=name, error=error, predict=predict)
     return best
 
 

@@ -337,10 +337,10 @@ class Evidence:
         return self._modes[scale][2]
 
     def score(self, rss: Floats, scales: Sequence[Scale], unknowns: int) -> Floats:
-        """Logarithm of the evidence up to a constant where ``rss``, shape (scales,) or (scales, m), is left."""
+        """Logarithm of the evidence up to a constant where ``rss``, shape (…, scales), is left."""
         effective = self.effective
         misfit = np.maximum(rss / self.size, 1e-4 * self.sigma**2) + self.inadequacy
-        freedom = self._beside(tuple(scales)).freedom.reshape(-1, *[1] * (misfit.ndim - 1))
+        freedom = self._beside(tuple(scales)).freedom
         return np.asarray(-0.5 * effective * np.log(misfit) - freedom - 0.5 * unknowns * np.log(max(effective, 3.0)))
 
     def reduced(
@@ -355,10 +355,7 @@ class Evidence:
     def _beside(self, scales: tuple[Scale, ...]) -> _Beside:
         """The simulators of these scales, stacked."""
         if scales not in self._stacked:
-            modes = [
-                np.sqrt(absorbed)[:, None] * rotation.T
-                for absorbed, rotation, _ in (self._modes[scale] for scale in scales)
-            ]
+            modes = [np.sqrt(absorbed)[:, None] * rotation.T for absorbed, rotation in map(self.shrink, scales)]
             gaps = [each @ self._gap_in_basis for each in modes]
             freedom = [self.complexity(scale) - self.plausibility[scale] for scale in scales]
             energy = [self.gap_energy - float(gap @ gap) for gap in gaps]

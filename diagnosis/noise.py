@@ -20,15 +20,15 @@ FARTHEST = 3
 """Samples; farther apart a hum would pass for noise."""
 
 
-def noise_levels(series: Floats, runs: Sequence[slice]) -> list[float]:
-    """Noise level of samples of ``series`` (n,) that are 1, 2, … apart."""
+def noise_levels(series: Floats, runs: Sequence[slice], farthest: int) -> list[float]:
+    """Noise level of samples of ``series`` (n,) that are 1, 2, … ``farthest`` apart."""
 
     def apart(stride: int) -> float:
         parts = [series[run][k::stride] for run in runs for k in range(stride)]
         squares = np.square([noise_level(part) for part in parts])
         return float(np.sqrt(np.average(squares, weights=[part.size for part in parts])))
 
-    return [apart(stride) for stride in range(1, FARTHEST + 2)]
+    return [apart(stride) for stride in range(1, farthest + 1)]
 
 
 def independent(levels: Sequence[float]) -> int:

@@ -33,7 +33,7 @@ SETTLED = 1e-5
 NARROW = 0.4
 """Longest step where a loop is pinched, over the width of the pinch."""
 NEWTON = 30
-"""Steps at most."""
+"""Steps at most to where metal yields again."""
 SUBSTEPS = 4
 """Steps of a mass between two samples."""
 

@@ -147,7 +147,7 @@ class Library:
                     gram[index[:, :, None], index[:, None, :]], moment[index], lower, upper
                 )
                 rss = np.maximum(energy - reduction, 1e-12 * self.evidence.gap_energy)
-                best = np.maximum(best, self.evidence.score(rss[None], [scale], unknowns)[0])
+                best = np.maximum(best, self.evidence.score(rss[:, None], [scale], unknowns)[:, 0])
             scores[chosen] = best
         found = []
         for numbers in self._laws:

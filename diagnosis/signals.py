@@ -95,7 +95,7 @@ class Signals:
     @cached_property
     def _noise_levels(self) -> list[float]:
         """Noise level of the gap's samples 1, 2, … apart, N·m."""
-        return noise_levels(self.gap, self.runs)
+        return noise_levels(self.gap, self.runs, FARTHEST + 1)
 
     @cached_property
     def knocks(self) -> NDArray[np.bool_]:

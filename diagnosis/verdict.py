@@ -164,6 +164,10 @@ class _Field:
     energy: float
     """Mean square of the gap beyond the noise."""
 
+    def scored(self) -> list[tuple[Hypothesis, float]]:
+        """Those ranked, each with its score."""
+        return list(zip(self.ranked, self.scores.tolist(), strict=True))
+
 
 def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choice:
     """The verdict that follows from the hypothesis ``best``, whose score is ``own``."""
@@ -178,7 +182,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     gap_power = max(structured_power(signals.gap * rows, signals.runs, signals.stride), 1e-6 * floor**2)
     tempered = TEMPERATURE * effective_share(misfit_refit, signals.runs)
     posterior, odds = weigh(evidence, field.ranked, field.scores, own, best, blank, tempered)
-    ranked = list(zip(field.ranked, field.scores.tolist(), strict=True))
+    ranked = field.scored()
     others = [score for h, score in ranked if not is_nested(h, best)]
     # What is not worth naming beside the verdict's effects speaks for them no less.
     supported = max([own, *(score for h, score in ranked if best.names and best.names < h.names)])
@@ -228,11 +232,12 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
         either = _either_of_two(field, best, verdict, features, supported)
         # Of two the one named is the likelier.
         verdict, stated = ([UNKNOWN], 1.0 - stated) if either < DOUBT else (verdict, max(stated, 0.5 * either))
-    step = torque_step(signals) if verdict == [] else 0.0
-    frequency = hum(signals) if verdict == [] else 0.0
-    # What a simulator that is off by a little would close is no spike, nor is what its refit makes of one.
-    smaller = np.minimum(np.abs(signals.gap), np.abs(misfit_refit))[rows]
-    standing_out = spikes(smaller / signals.noise_floor) if verdict == [] else 0.0
+    step = frequency = standing_out = 0.0
+    if not verdict:
+        step, frequency = torque_step(signals), hum(signals)
+        # What a simulator that is off by a little would close is no spike, nor is what its refit makes of one.
+        smaller = np.minimum(np.abs(signals.gap), np.abs(misfit_refit))[rows]
+        standing_out = spikes(smaller / signals.noise_floor)
     if step > 0.0 or frequency > 0.0 or standing_out > OUTLIERS:
         # They pass for noise, but a finer or better shielded sensor would close them.
         verdict = [UNKNOWN]
@@ -249,8 +254,7 @@ def _either_of_two(
     """Confidence in several effects of which one may have to be swapped for another: told as ambiguous, it is no doubt of all."""
     if len(best.names) < 2:
         return 0.0
-    ranked = zip(field.ranked, field.scores.tolist(), strict=True)
-    apart = [score for h, score in ranked if not is_nested(h, best) and len(h.names ^ best.names) != SWAPPED]
+    apart = [score for h, score in field.scored() if not is_nested(h, best) and len(h.names ^ best.names) != SWAPPED]
     return confidence(CONFIDENCE, verdict, {**features, "margin": supported - max(apart, default=-np.inf)})
 
 
