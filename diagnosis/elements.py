@@ -8,16 +8,17 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .operators import hardening, hyperbolic, leaky, lowpass, pinched, plays, rms, sliding, smooth, yielding
+from .operators import dashed, hardening, hyperbolic, leaky, lowpass, pinched, plays, rms, sliding, smooth, yielding
 
 __all__ = [
+    "DIFFERENCES",
     "ELASTIC",
     "KINDS",
     "KINKS",
@@ -45,6 +46,19 @@ MOVED = 0.04
 """Relative error of where a kink is or a slider yields."""
 
 
+def _backward(series: Floats, time: Floats) -> Floats:
+    slope = np.zeros_like(series)
+    slope[1:] = np.diff(series) / np.diff(time)
+    return slope
+
+
+DIFFERENCES: Mapping[str, Callable[[Floats, Floats], Floats]] = MappingProxyType({
+    "central": np.gradient,
+    "backward": _backward,
+})  # fmt: skip
+"""Derivatives of a series by time that simulators take which do not filter."""
+
+
 @dataclass(frozen=True)
 class Motion:
     """An input: time, deflection and its derivatives, shapes (n,), in runs in each of which memory starts anew."""
@@ -60,6 +74,16 @@ class Motion:
         edges = [np.searchsorted(samples, (run.start, run.stop)) for run in self.runs]
         runs = [slice(int(a), int(b)) for a, b in edges]
         return Motion(self.time[samples], self.x[samples], self.speed[samples], self.acceleration[samples], runs)
+
+    def differenced(self, derivatives: str) -> Motion:
+        """The motion with its derivatives as a simulator takes them: ``"central"`` or ``"backward"`` differences, or these."""
+        if derivatives not in DIFFERENCES:
+            return self
+        speed, acceleration = np.empty_like(self.x), np.empty_like(self.x)
+        for run in self.runs:
+            for series, of in ((speed, self.x), (acceleration, speed)):
+                series[run] = DIFFERENCES[derivatives](of[run], self.time[run])
+        return replace(self, speed=speed, acceleration=acceleration)
 
     def from_rest(self, answer: Callable[..., Floats], *others: Floats, **sizes: float) -> Floats:
         """What an operator of given ``sizes`` answers, shape (n,), where each run comes from zero to where it begins.
@@ -86,6 +110,16 @@ class Extent:
     def units(self) -> Floats:
         """Of the sizes of a slider with mass: rad, rad/s, 1, rad/s, s; shape (5,)."""
         return np.array([self.reach, 1.0 / self.interval, 1.0, self.fast, self.interval])
+
+    @property
+    def rigid(self) -> Floats:
+        """The same of friction that knows the speed alone: rad/s, 1, s; shape (3,)."""
+        return np.array([self.fast, 1.0, self.interval])
+
+    @property
+    def dashed(self) -> Floats:
+        """The same of a slider behind a dashpot: rad, 1, 1, s, s, 1; shape (6,)."""
+        return np.array([self.reach, 1.0, 1.0, self.interval, self.interval, 1.0])
 
     @property
     def metal(self) -> Floats:
@@ -165,6 +199,19 @@ def _stribeck(motion: Motion, length: float, pace: float, excess: float) -> Floa
     return length * motion.from_rest(yielding, level, length=length)
 
 
+def _by_speed(motion: Motion, pace: float, corner: float, ahead: float) -> Floats:
+    """A sign of the speed that grows linearly up to ``pace`` (rad/s), its corners there rounded over ``corner`` of it.
+
+    With wide ones it is a hyperbolic tangent. Engines for rigid bodies look at the speed that will be: ``ahead`` (s) times
+    the acceleration more.
+    """
+    asked = np.array([[1.0], [-1.0]]) * pace + motion.speed + ahead * motion.acceleration
+    size = np.abs(asked) / (corner * pace)
+    # Logarithms of cosines, for they overflow.
+    beyond, before = size + np.log1p(np.exp(-2.0 * size))
+    return np.asarray(0.5 * corner * (beyond - before))
+
+
 def _lag(motion: Motion, constant: float) -> Floats:
     return np.concatenate([lowpass(motion.time[run], motion.x[run], constant) - motion.x[run] for run in motion.runs])
 
@@ -172,6 +219,11 @@ def _lag(motion: Motion, constant: float) -> Floats:
 def _leaky(motion: Motion, level: float, constant: float) -> Floats:
     """A spring in series with a dashpot and a slider."""
     return motion.from_rest(lambda x, time: leaky(time, x, level, constant), motion.time)
+
+
+def _dashed(motion: Motion, *sizes: float) -> Floats:
+    """A slider that yields smoothly, with a dashpot and a spring beside it and another dashpot behind all."""
+    return motion.from_rest(lambda x, time: dashed(time, x, *sizes), motion.time)
 
 
 def _plays(motion: Motion, half_widths: Floats) -> tuple[Floats, NDArray[np.intp]]:
@@ -295,6 +347,19 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
             [0.02 * extent.reach, 1.0, 0.3, 0.02, 0.005, 0.08], [3.0 * extent.reach, 4.0, 1.5, 0.95, 0.9, 1.5],
         ]),
     ),
+    # Dampers of magnetorheological fluid with their accumulator: Spencer et al. (J. Eng. Mech. 123, 1997).
+    "a few sliders behind dashpots": Kind(
+        MEMORY, True,
+        lambda extent: extent.dashed * _with(
+            np.geomspace(0.05, 1.0, 4), *itertools.product((1.0, 2.0), (0.75,), (2.0, 10.0, 50.0), (0.3, 3.0), (0.1,))
+        ),
+        _by_row(_dashed),
+        {1: (0.0, np.inf), 3: (0.0, np.inf)},
+        timed=True,
+        limits=lambda extent: extent.dashed * [
+            [0.004, 1.0, 0.3, 0.5, 0.01, 1e-3], [3.0, 8.0, 3.0, 1000.0, 100.0, 10.0],
+        ],
+    ),
     # Metal that yields: its back stresses recall themselves.
     "a few hardening sliders": Kind(
         MEMORY, True,
@@ -332,6 +397,16 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         limits=lambda extent: extent.units * [
             [0.003, 0.02, 0.02, 0.0005, 0.001], [3.0, 6.0, 20.0, 3.0, 50.0],
         ],
+    ),
+    # Spreadsheets, and engines for rigid bodies asked for the torque of a given motion: the sign of the speed, made smooth.
+    "friction by speed": Kind(
+        RATE, False,
+        lambda extent: extent.rigid * _with(
+            np.geomspace(0.0005, 0.3, 12), *itertools.product((0.2, 5.0), (0.003, 0.3))
+        ),
+        _by_row(_by_speed),
+        {0: (0.0, np.inf), 1: (0.0, np.inf)},
+        limits=lambda extent: extent.rigid * [[1e-4, 0.05, 1e-3], [3.0, 50.0, 50.0]],
     ),
     "relaxation": Kind(
         RATE, False,

@@ -29,7 +29,7 @@ __all__ = ["Emulator", "SimulatorScene", "answers_of", "emulate"]
 
 Floats = NDArray[np.float64]
 # Registered models that compete with the built-in emulator, in seconds rather than minutes.
-COMPETITORS = ("prandtl-ishlinskii", "preisach", "dahl")
+COMPETITORS = "prandtl-ishlinskii", "modified-prandtl-ishlinskii", "preisach", "dahl", "duhem"
 RIVALLED = 0.002
 """Error, as a share of the output, from which they compete."""
 REMEMBERED = 48

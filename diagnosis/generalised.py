@@ -7,12 +7,14 @@ that is not good enough what simulators are made of besides (see :mod:`hystbench
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .elements import (
+    DIFFERENCES,
     ELASTIC,
     KINDS,
     KINKS,
@@ -35,7 +37,9 @@ __all__ = ["Generalised", "motion_of", "predict_generalised", "relative_error", 
 Floats = NDArray[np.float64]
 ELEMENTS, FINER = 14, 40
 """Stops; the finer ones contain the others."""
-STOPS = "stops"
+STOPS, BY_SPEED = "stops", "friction by speed"
+SMOOTH = "smooth"
+"""Derivatives of the motion without its noise."""
 BRISTLES = 5
 PLACINGS = 4
 """Steps in which kinks are moved to their places."""
@@ -47,6 +51,8 @@ PLACES = 4
 """Ways in which an element's torque may depend on where it is."""
 STEEPNESS = (0.02, 0.08, 0.3)
 DEGREE = 5
+FEW = 3000
+"""Samples that are enough to tell derivatives apart."""
 GOOD_ENOUGH = 0.01
 """Error, as a share of the output, from which elements of the other sign are tried."""
 
@@ -59,7 +65,7 @@ class Generalised:
         self.reach = max(float(np.max(np.abs(signals.x))), 1e-300)
         self.lengths = np.geomspace(0.01, 0.4, BRISTLES) * self.reach
         self.fast = max(float(np.std(signals.speed)), 1e-300)
-        self.motion = motion_of(signals)
+        self.motion, self.derivatives = motion_of(signals), SMOOTH
         # Weights of one sign; what lags behind its input, as a piezo stage does, turns the other way round.
         self._identify(1.0, ELEMENTS, {})
         if self.error > GOOD_ENOUGH or np.any(self.rates):
@@ -68,15 +74,37 @@ class Generalised:
             if self.error >= first["error"]:
                 vars(self).update(first)
         if self.error > EMULATED:
-            elements, further = self._enlarged()
-            if elements > ELEMENTS or further:
-                self._identify(self.sign, elements, further)
-            for _ in range(PLACINGS):
-                # There are none, or none is left: a kink at the end of the stroke has no torque, so no weight either.
-                if KINKS not in self.further:
-                    break
-                further[KINKS] = self._placed_kinks()
-                self._identify(self.sign, elements, further)
+            self._grow_by_derivatives()
+
+    def _grow_by_derivatives(self) -> None:
+        """Identify all anew with the derivatives of the motion that the simulator takes, where its friction tells them."""
+        start = vars(self).copy()
+        motions = {name: self.motion.differenced(name) for name in (SMOOTH, *DIFFERENCES)}
+        left = {name: self._left_by_speed(motion) for name, motion in motions.items()}
+        best = min(left, key=left.__getitem__)
+        other = min(DIFFERENCES, key=left.__getitem__)
+        first = best if left[best] < CLEARLY * left[SMOOTH] and self.signals.timed else SMOOTH
+        self.derivatives, self.motion = first, motions[first]
+        self._grow()
+        if BY_SPEED in self.further and first == SMOOTH and self.signals.timed:
+            # It is sharp enough to tell from which speed it was made.
+            smooth = vars(self).copy()
+            vars(self).update(start, derivatives=other, motion=motions[other])
+            self._grow()
+            if self.error >= smooth["error"]:
+                vars(self).update(smooth)
+
+    def _grow(self) -> None:
+        """Identify all anew with as many stops and with the further elements that are needed."""
+        elements, further = self._enlarged()
+        if elements > ELEMENTS or further or self.derivatives != SMOOTH:
+            self._identify(self.sign, elements, further)
+        for _ in range(PLACINGS):
+            # There are none, or none is left: a kink at the end of the stroke has no torque, so no weight either.
+            if KINKS not in self.further:
+                break
+            further[KINKS] = self._placed_kinks()
+            self._identify(self.sign, elements, further)
 
     def _identify(self, sign: float, elements: int, further: Mapping[str, Floats]) -> None:
         """Weights of all elements, of which those with memory have one sign."""
@@ -120,8 +148,7 @@ class Generalised:
         """How many stops, and the sizes of which further elements, are needed."""
         signals = self.signals
         elastic, stops, placed_stops = self._parts(_thresholds(self.reach, FINER))
-        duration = max(float(signals.time[run][-1] - signals.time[run][0]) for run in signals.runs)
-        extent = Extent(self.reach, self.fast, signals.interval, duration)
+        extent = self._extent
         kinds = {name: kind for name, kind in KINDS.items() if signals.timed or not kind.timed}
         sizes = {name: kind.sizes(extent) for name, kind in kinds.items() if kind.limits is None}
         growing = [STOPS, *sizes]
@@ -162,15 +189,34 @@ class Generalised:
         most = 0.04 * self.reach
         return np.clip(sizes + np.clip(step, -most, most)[:, None], -self.reach, self.reach)
 
+    def _left_by_speed(self, motion: Motion) -> float:
+        """What friction that knows the speed of ``motion`` leaves beside elements with memory, N·m."""
+        some, kind = spread(self.signals.x.size, FEW), KINDS[BY_SPEED]
+        elastic, stops, _ = self._parts(self.thresholds)
+        rates = _rates(motion.speed, motion.acceleration, self.fast)
+        friction = kind.columns(motion, kind.sizes(self._extent))
+        columns = np.hstack([part[some] for part in (elastic, stops, rates, friction)])
+        columns /= np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+        basis, sizes, _ = np.linalg.svd(columns, full_matrices=False)
+        basis = basis[:, sizes > 1e-4 * sizes[0]]
+        target = self.signals.y_sim[some]
+        return rms(target - basis @ (basis.T @ target))
+
+    @cached_property
+    def _extent(self) -> Extent:
+        signals = self.signals
+        duration = max(float(signals.time[run][-1] - signals.time[run][0]) for run in signals.runs)
+        return Extent(self.reach, self.fast, signals.interval, duration)
+
     def _rates(self) -> Floats:
-        return _rates(self.signals.speed, self.signals.acceleration, self.fast)
+        return _rates(self.motion.speed, self.motion.acceleration, self.fast)
 
     def parameters(self) -> dict[str, Any]:
         """All that :func:`predict_generalised` needs."""
         return {
             "reach": self.reach, "thresholds": self.thresholds, "lengths": self.lengths, "elastic": self.elastic,
             "placed": self.placed, "weights": self.weights, "rates": self.rates, "fast": self.fast,
-            "further": self.further,
+            "further": self.further, "derivatives": self.derivatives,
         }  # fmt: skip
 
     def _parts(self, thresholds: Floats) -> tuple[Floats, Floats, Floats]:
@@ -290,6 +336,7 @@ def _rates(speed: Floats, acceleration: Floats, fast: float) -> Floats:
 
 def predict_generalised(parameters: Mapping[str, Any], motion: Motion) -> Floats:
     """Output of the built-in emulator, N·m, shape (n,), from the virgin state in each run."""
+    motion = _as_seen(parameters, motion)
     x, weights = motion.x, np.asarray(parameters["weights"])
     u = _place(x, parameters["reach"])
     thresholds, lengths = np.asarray(parameters["thresholds"]), np.asarray(parameters["lengths"])
@@ -308,6 +355,11 @@ def predict_generalised(parameters: Mapping[str, Any], motion: Motion) -> Floats
     return np.asarray(y)
 
 
+def _as_seen(parameters: Mapping[str, Any], motion: Motion) -> Motion:
+    """The motion with the derivatives that the simulator takes."""
+    return motion.differenced(str(parameters.get("derivatives", SMOOTH)))
+
+
 def spring_of(parameters: Mapping[str, Any], x: Floats) -> Floats:
     """The elastic part of the built-in emulator's output, without torque at rest, N·m, shape (n,)."""
     elastic = np.asarray(parameters["elastic"])
@@ -319,6 +371,7 @@ def spring_of(parameters: Mapping[str, Any], x: Floats) -> Floats:
 def strength_of(parameters: Mapping[str, Any], motion: Motion) -> Floats:
     """Change of the built-in emulator's output for a relative change by one of the strength of what has memory."""
     thresholds, lengths, weights = (np.asarray(parameters[name]) for name in ("thresholds", "lengths", "weights"))
+    motion = _as_seen(parameters, motion)
     further = stronger_of(parameters.get("further", {}), motion)
     return np.asarray(_stronger(motion, thresholds, lengths) @ weights + further)
 

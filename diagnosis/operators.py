@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "bristle",
+    "dashed",
     "free_flight",
     "hardening",
     "hyperbolic",
@@ -34,6 +35,8 @@ NARROW = 0.4
 """Longest step where a loop is pinched, over the width of the pinch."""
 NEWTON = 30
 """Steps at most to where metal yields again."""
+STABLE, DASHED = 0.3, 60
+"""Longest step of what creeps through a dashpot, over its time constant, and steps at most between two samples."""
 SUBSTEPS = 4
 """Steps of a mass between two samples."""
 
@@ -174,6 +177,36 @@ def _hardening(x, length, ratio, recall, slow_ratio, slow_recall, out):
             fast = way * (most - a * np.exp(-flow / recall))
             slow = way * (slow_most - b * np.exp(-flow / slow_recall))
         out[i] = torque
+
+
+@njit(cache=True)
+def _dashed_rates(q, stretch, speed, length, exponent, back, after, beside, stiffness):
+    crept = (length * q + beside * speed + stiffness * stretch) / (beside + after)
+    stretching = speed - crept
+    c = 1.0 if q * stretching > 0.0 else back
+    return stretching / length * (1.0 - c * abs(q) ** exponent), stretching
+
+
+@njit(cache=True)
+def _dashed(time, x, length, exponent, share, after, beside, stiffness, out):
+    q, stretch, back = 0.0, 0.0, 1.0 - 2.0 * share
+    steep = exponent * max(1.0, abs(back)) / (SMOOTH * length)
+    fast = (1.0 + stiffness) / (STABLE * (beside + after))
+    out[0] = 0.0
+    for i in range(1, x.size):
+        dt = time[i] - time[i - 1]
+        if dt <= 0.0:
+            q, stretch, out[i] = 0.0, 0.0, 0.0
+            continue
+        speed = (x[i] - x[i - 1]) / dt
+        parts = int(min(np.ceil(max(abs(x[i] - x[i - 1]) * steep, dt * fast, 1.0)), DASHED))
+        h = dt / parts
+        for _ in range(parts):
+            a1, b1 = _dashed_rates(q, stretch, speed, length, exponent, back, after, beside, stiffness)
+            a2, b2 = _dashed_rates(q + 0.5 * h * a1, stretch + 0.5 * h * b1, speed, length, exponent, back, after, beside, stiffness)
+            q = min(max(q + h * a2, -1.0), 1.0)
+            stretch += h * b2
+        out[i] = after * (length * q + beside * speed + stiffness * stretch) / (beside + after)
 
 
 @njit(cache=True)
@@ -381,6 +414,20 @@ def hardening(x: Floats, length: float, ratio: float, recall: float, slow_ratio:
     out = np.empty(x.size)
     x = np.ascontiguousarray(x)
     _hardening(x, float(length), float(ratio), float(recall), float(slow_ratio), float(slow_recall), out)
+    return out
+
+
+def dashed(
+    time: Floats, x: Floats, length: float, exponent: float, share: float, after: float, beside: float, stiffness: float
+) -> Floats:
+    """A :func:`smooth` element with a dashpot and a spring beside it, all behind another dashpot, over ``x`` (n,) from rest.
+
+    The dashpots are ``beside`` and ``after``, s, and the spring ``stiffness``, over the element's stiffness; shape (n,). Where
+    no time passes it is dragged along slowly (Spencer et al., J. Eng. Mech. 123, 1997, 230-238, without the spring k1).
+    """
+    out = np.empty(x.size)
+    sizes = (float(size) for size in (length, exponent, share, after, beside, stiffness))
+    _dashed(np.ascontiguousarray(time), np.ascontiguousarray(x), *sizes, out)
     return out
 
 

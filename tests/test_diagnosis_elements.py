@@ -157,17 +157,33 @@ def metal(time: Floats, x: Floats, e: float = 0.0) -> Floats:
 
 
 def damper(time: Floats, x: Floats, e: float = 0.0) -> Floats:
-    """Spencer's damper of magnetorheological fluid: a smooth loop in series with a dashpot, explicit in small steps."""
-    steps, behind, hysteretic, out = 40, 5.0 * (1.0 - e), 0.0, np.zeros(x.size)
+    """Spencer's damper of magnetorheological fluid with both of its springs, explicit in small steps."""
+    steps, behind, hysteretic, piston, out = 40, 5.0 * (1.0 - e), 0.0, 0.0, np.zeros(x.size)
     h = INTERVAL / steps
     for i in range(1, x.size):
         speed = (x[i] - x[i - 1]) / INTERVAL
-        for _ in range(steps):
-            inner = (12.0 * (1.0 + e) * hysteretic + 0.2 * speed) / (0.2 + behind)
+        for k in range(steps):
+            spring = 1.5 * (x[i - 1] + (k + 0.5) * h * speed - piston)
+            inner = (12.0 * (1.0 + e) * hysteretic + 0.2 * speed + spring) / (0.2 + behind)
             slip, share = speed - inner, hysteretic / 0.08
+            piston += h * inner
             hysteretic += h * (slip - 0.5 * slip * share**2 - 0.5 * abs(slip) * share * abs(share))
         out[i] = behind * inner
     return 3.0 * (1.0 - e) * x + out
+
+
+def spreadsheet(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Dry and viscous friction of a speed made from one sample to the next."""
+    speed = np.diff(x, prepend=x[0]) / INTERVAL
+    return 4.0 * (1.0 + e) * x + 0.3 * (1.0 - e) * speed + (1.0 + e) * np.tanh(speed / (0.003 * (1.0 + e)))
+
+
+def rigid_body(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """The torque that an engine for rigid bodies wants for a motion: friction of a speed that is yet to come, and inertia."""
+    speed = np.gradient(x, time)
+    acceleration = np.gradient(speed, time)
+    friction = 0.8 * (1.0 - e) * np.clip((speed + 0.003 * acceleration) / 0.02, -1.0, 1.0)
+    return 4.0 * (1.0 + e) * x + friction + 0.1 * speed + 0.02 * (1.0 + e) * acceleration
 
 
 def lagging(time: Floats, x: Floats, e: float = 0.0) -> Floats:
@@ -197,7 +213,9 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "heavy": (heavy, 0.002),
     "pinching": (pinching, 0.001),
     "metal": (metal, 0.001),
-    "damper": (damper, 0.01),
+    "damper": (damper, 0.002),
+    "spreadsheet": (spreadsheet, 0.005),
+    "rigid body": (rigid_body, 0.002),
     "hardly yielding": (hardly_yielding, 0.0003),
     "lagging": (lagging, 0.01),
 }
@@ -326,7 +344,7 @@ def test_kinks_belong_to_the_spring_and_have_no_torque_at_rest() -> None:
     assert bent[[0, 3]] / 0.5 == pytest.approx(bent[[1, 2]] / 0.3 + 7.0 * 0.28 / 0.5, rel=0.1)
 
 
-@pytest.mark.parametrize(("joint", "kind"), [(damper, "leaky sliders"), (lagging, "lagging stops")])
+@pytest.mark.parametrize(("joint", "kind"), [(damper, "a few sliders behind dashpots"), (lagging, "lagging stops")])
 def test_without_a_clock_nothing_is_said_of_how_long_things_take(joint: Joint, kind: str) -> None:
     signals = recorded(joint)
     assert kind in Generalised(signals).further
@@ -356,7 +374,7 @@ def test_model_file_keeps_further_elements_and_tells_what_is_wrong_with_them() -
     assert np.std(made(further={}).predict(signals.x) - signals.y_sim) > 0.05 * np.std(signals.y_sim)
     for wrong in (
         3.0, {"rope": {"sizes": [[1.0]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]]}},
-        {"rubber": {"sizes": [[0.0]], "weights": [1.0]}}, {"a few sliders with mass": {"sizes": [[0.1, 30.0, 1.0, 0.0, 0.0]], "weights": [1.0]}}, {"leaky sliders": {"sizes": [[0.1, 0.0]], "weights": [1.0]}}, {"a few pinched sliders": {"sizes": [[0.1, 1.0, 0.5, 1.0, 0.2, 0.2]], "weights": [1.0]}}, {"a few hardening sliders": {"sizes": [[0.1, 1.0, 0.0, 1.0, 0.5]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]], "weights": [1.0, 2.0]}}, {"kinks": {"sizes": [[0.1, 2.0]], "weights": [1.0]}},
+        {"rubber": {"sizes": [[0.0]], "weights": [1.0]}}, {"a few sliders with mass": {"sizes": [[0.1, 30.0, 1.0, 0.0, 0.0]], "weights": [1.0]}}, {"leaky sliders": {"sizes": [[0.1, 0.0]], "weights": [1.0]}}, {"a few pinched sliders": {"sizes": [[0.1, 1.0, 0.5, 1.0, 0.2, 0.2]], "weights": [1.0]}}, {"a few hardening sliders": {"sizes": [[0.1, 1.0, 0.0, 1.0, 0.5]], "weights": [1.0]}}, {"a few sliders behind dashpots": {"sizes": [[0.1, 1.0, 0.5, 0.0, 0.1, 0.1]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]], "weights": [1.0, 2.0]}}, {"kinks": {"sizes": [[0.1, 2.0]], "weights": [1.0]}},
     ):  # fmt: skip
         with pytest.raises(InputError) as told:
             made(further=wrong)
