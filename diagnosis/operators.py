@@ -203,7 +203,9 @@ def _dashed(time, x, length, exponent, share, after, beside, stiffness, out):
         h = dt / parts
         for _ in range(parts):
             a1, b1 = _dashed_rates(q, stretch, speed, length, exponent, back, after, beside, stiffness)
-            a2, b2 = _dashed_rates(q + 0.5 * h * a1, stretch + 0.5 * h * b1, speed, length, exponent, back, after, beside, stiffness)
+            a2, b2 = _dashed_rates(
+                q + 0.5 * h * a1, stretch + 0.5 * h * b1, speed, length, exponent, back, after, beside, stiffness
+            )
             q = min(max(q + h * a2, -1.0), 1.0)
             stretch += h * b2
         out[i] = after * (length * q + beside * speed + stiffness * stretch) / (beside + after)
@@ -426,8 +428,12 @@ def dashed(
     no time passes it is dragged along slowly (Spencer et al., J. Eng. Mech. 123, 1997, 230-238, without the spring k1).
     """
     out = np.empty(x.size)
-    sizes = (float(size) for size in (length, exponent, share, after, beside, stiffness))
-    _dashed(np.ascontiguousarray(time), np.ascontiguousarray(x), *sizes, out)
+    time, x, behind = (
+        np.ascontiguousarray(time),
+        np.ascontiguousarray(x),
+        (float(after), float(beside), float(stiffness)),
+    )
+    _dashed(time, x, float(length), float(exponent), float(share), *behind, out)
     return out
 
 
