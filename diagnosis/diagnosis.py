@@ -256,6 +256,11 @@ def diagnose(
         "that is not known here"
         for term in choice.images
     ]
+    if choice.factor:
+        notes.append(
+            f"one factor on the whole torque, {1.0 + choice.factor:.4g}, would close it: no coincidence of several errors of "
+            "parameters, but an effect that is not known here"
+        )
     if fitted:
         notes.append(
             "the confidence was calibrated on simulators that were not fitted to the joint: take it as a rank here"

@@ -103,6 +103,8 @@ class Choice:
     """Share of the samples that stand out and make up the gap; 0 otherwise."""
     images: Sequence[Term] = ()
     """Laws that explain the gap only where they are images of another effect."""
+    factor: float = 0.0
+    """Relative error of all that the simulator says which alone makes the gap, where no effect known here does that; 0 otherwise."""
 
 
 def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
@@ -213,6 +215,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     )
     verdict = sorted(best.names, key=lambda name: -float(np.mean(np.square(best.part(name)))))
     images: list[Term] = []
+    factor = 0.0
     if miscalibrated and not expected:
         verdict.append(MISCALIBRATION)
     if _nothing(evidence, best, miscalibrated, features):
@@ -223,9 +226,10 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
         verdict = [UNKNOWN]
     elif not evidence.fitted:
         images = [term for term in best.terms if term.is_an_image]
-        verdict = [UNKNOWN] if images else verdict
+        factor = _one_factor(evidence, found, energy) if verdict == [MISCALIBRATION] else 0.0
+        verdict = [UNKNOWN] if images or factor else verdict
     stated = confidence(CONFIDENCE, verdict, features)
-    if images:
+    if images or factor:
         # Little is left over, which says otherwise that the verdict ought to be another.
         stated = max(stated, IMAGED)
     if verdict and verdict != [UNKNOWN] and stated < DOUBT and not evidence.fitted:
@@ -244,7 +248,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     return Choice(
         verdict, stated, best, held, miscalibrated, left / gap_power, features,
         posterior, odds, list(field.ranked), recalibration_rivals(evidence, verdict, best, own, found, tempered), tempered,
-        step, frequency, standing_out, images,
+        step, frequency, standing_out, images, factor,
     )  # fmt: skip
 
 
@@ -304,6 +308,16 @@ def _as_one_factor(
     if best.names == {GAIN} and is_refitted(best.scale) and leaves(best) > SEVERAL:
         return blank
     return best
+
+
+def _one_factor(evidence: Evidence, found: Sequence[Hypothesis], energy: float) -> float:
+    """The relative error of the whole torque, where it makes the gap and no effect known here does that; 0 otherwise."""
+    if any(GAIN in h.names for h in found) or energy < SMALL**2 * evidence.sigma**2:
+        return 0.0
+    torque = evidence.scene.torque[evidence.rows]
+    factor = float(torque @ evidence.gap) / max(float(torque @ torque), 1e-300)
+    left = float(np.mean(np.square(evidence.gap - factor * torque))) - evidence.sigma**2
+    return factor if left < ONE_FACTOR * energy else 0.0
 
 
 @dataclass(frozen=True)

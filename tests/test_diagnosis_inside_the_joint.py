@@ -56,8 +56,8 @@ def signals(y_real: Floats, seed: int = 5) -> Signals:
     return Signals(TIME, X, y_real + noise, joint(X), [slice(0, X.size)], {})
 
 
-def diagnosed(y_real: Floats) -> Diagnosis:
-    return diagnose(signals(y_real))
+def diagnosed(y_real: Floats, exclude: tuple[str, ...] = ()) -> Diagnosis:
+    return diagnose(signals(y_real), exclude=exclude)
 
 
 def gear(driving: float, driven: float) -> Floats:
@@ -153,6 +153,14 @@ def test_one_factor_is_a_gain_and_several_errors_are_a_miscalibration() -> None:
         + sliders(X, [(k * s, f * s) for (k, f), s in zip(ELEMENTS, (1.05, 0.96, 1.04), strict=True)])
     )
     assert diagnosed(several).verdict == ["miscalibration"]
+    assert diagnosed(several, exclude=("torque_gain",)).verdict == ["miscalibration"]
+
+
+def test_one_factor_without_a_gain_in_the_registry_is_an_effect_that_is_not_known() -> None:
+    found = diagnosed(1.05 * joint(X), exclude=("torque_gain",))
+    assert found.verdict == ["unknown"]
+    assert found.choice.factor == pytest.approx(0.05, abs=0.002)
+    assert any("one factor on the whole torque, 1.05" in note for note in found.notes)
 
 
 # ---- a hum -------------------------------------------------------------------------------------------------------------
