@@ -123,8 +123,8 @@ class Extent:
 
     @property
     def metal(self) -> Floats:
-        """The same of a slider that hardens: rad, 1, rad, 1, rad; shape (5,)."""
-        return np.array([self.reach, 1.0, self.reach, 1.0, self.reach])
+        """The same of a slider that hardens: rad, 1, rad, 1, rad, 1, rad; shape (7,)."""
+        return np.array([self.reach, 1.0, self.reach, 1.0, self.reach, 1.0, self.reach])
 
 
 @dataclass(frozen=True)
@@ -364,11 +364,13 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     "a few hardening sliders": Kind(
         MEMORY, True,
         lambda extent: extent.metal * _with(
-            np.geomspace(0.01, 0.4, 6), *itertools.product((0.3, 1.5), (0.05, 0.2), (0.2,), (1.0,))
+            np.geomspace(0.01, 0.4, 9), *itertools.product((0.3, 0.8, 2.0), (0.03, 0.1, 0.3), (0.2,), (1.0,), (0.03,), (3.0,))
         ),
         _timeless(hardening),
-        {2: (0.0, np.inf), 4: (0.0, np.inf)},
-        limits=lambda extent: extent.metal * [[0.003, 0.02, 0.01, 0.01, 0.1], [1.0, 10.0, 1.0, 3.0, 10.0]],
+        {2: (0.0, np.inf), 4: (0.0, np.inf), 6: (0.0, np.inf)},
+        limits=lambda extent: extent.metal * [
+            [0.003, 0.02, 0.01, 0.01, 0.1, 1e-3, 0.1], [1.0, 10.0, 1.0, 3.0, 10.0, 3.0, 100.0],
+        ],
     ),
     # A simulator with Stribeck friction: Canudas de Wit et al. (IEEE TAC 40, 1995).
     "Stribeck friction": Kind(

@@ -155,25 +155,29 @@ def _pinched(x, length, exponent, share, depth, place, width, out):
 
 
 @njit(cache=True)
-def _hardening(x, length, ratio, recall, slow_ratio, slow_recall, out):
-    torque, fast, slow = 0.0, 0.0, 0.0
+def _hardening(x, length, ratio, recall, slow_ratio, slow_recall, growth, settling, out):
+    torque, fast, slow, flown = 0.0, 0.0, 0.0, 0.0
+    wide = length * (1.0 + growth)
     most, slow_most = ratio * recall, slow_ratio * slow_recall
     out[0] = 0.0
     for i in range(1, x.size):
         torque += x[i] - x[i - 1]
         over = torque - fast - slow
-        if abs(over) > length:
+        left = length * growth * np.exp(-flown / settling)
+        if abs(over) > wide - left:
             way = 1.0 if over > 0.0 else -1.0
             # Flow that brings the torque back to where it yields. Over it the back stresses approach their limits
             # exponentially, so Newton's steps from none come ever closer without passing.
             a, b, flow = most - way * fast, slow_most - way * slow, 0.0
             for _ in range(NEWTON):
                 one, two = a * np.exp(-flow / recall), b * np.exp(-flow / slow_recall)
-                beyond = way * torque - flow - most + one - slow_most + two - length
-                flow += beyond / (1.0 + one / recall + two / slow_recall)
+                less = left * np.exp(-flow / settling)
+                beyond = way * torque - flow - most + one - slow_most + two - wide + less
+                flow += beyond / (1.0 + one / recall + two / slow_recall + less / settling)
                 if beyond < 1e-9 * length:
                     break
             torque -= way * flow
+            flown += flow
             fast = way * (most - a * np.exp(-flow / recall))
             slow = way * (slow_most - b * np.exp(-flow / slow_recall))
         out[i] = torque
@@ -407,15 +411,25 @@ def pinched(
     return out
 
 
-def hardening(x: Floats, length: float, ratio: float, recall: float, slow_ratio: float, slow_recall: float) -> Floats:
+def hardening(
+    x: Floats,
+    length: float,
+    ratio: float,
+    recall: float,
+    slow_ratio: float,
+    slow_recall: float,
+    growth: float,
+    settling: float,
+) -> Floats:
     """Elastic-plastic element of unit stiffness over ``x`` (n,) from rest that yields at ``length`` and hardens, shape (n,).
 
     Its middle moves with the plastic flow by two back stresses, each of the stiffness ``ratio`` and recalled over the flow
-    ``recall``, rad (Armstrong and Frederick, 1966; Chaboche, Int. J. Plasticity 2, 1986, 149–188).
+    ``recall``, rad (Armstrong and Frederick, 1966; Chaboche, Int. J. Plasticity 2, 1986, 149–188); the level at which it
+    yields grows by the share ``growth`` over the flow ``settling``, rad.
     """
     out = np.empty(x.size)
-    x = np.ascontiguousarray(x)
-    _hardening(x, float(length), float(ratio), float(recall), float(slow_ratio), float(slow_recall), out)
+    back = float(ratio), float(recall), float(slow_ratio), float(slow_recall)
+    _hardening(np.ascontiguousarray(x), float(length), *back, float(growth), float(settling), out)
     return out
 
 

@@ -139,21 +139,27 @@ def pinching(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 0.8 * (1.0 + e) * x + 3.0 * out
 
 
-def metal(time: Floats, x: Floats, e: float = 0.0) -> Floats:
-    """Plasticity with two back stresses that recall themselves, by small steps back to the yield limit."""
-    torque, fast, slow, out = 0.0, 0.0, 0.0, np.zeros(x.size)
-    limit = 0.5 * (1.0 + e)
+def metal(time: Floats, x: Floats, e: float = 0.0, growth: float = 0.0) -> Floats:
+    """Plasticity with two back stresses that recall themselves, by small steps back to the yield limit, which may grow."""
+    torque, fast, slow, flown, out = 0.0, 0.0, 0.0, 0.0, np.zeros(x.size)
     for i in range(1, x.size):
         for _ in range(40):
             torque += 10.0 * (x[i] - x[i - 1]) / 40
+            limit = 0.5 * (1.0 + e) * (1.0 + growth * (1.0 - np.exp(-flown / 0.8)))
             over = abs(torque - fast - slow) - limit
             if over > 0.0:
                 way = np.sign(torque - fast - slow)
                 rates = 12.0 * (1.0 + e) * way - 15.0 * fast, 3.0 * (1.0 - e) * way - 2.0 * slow
                 flow = over / (10.0 + way * sum(rates))
                 torque, fast, slow = torque - 10.0 * way * flow, fast + rates[0] * flow, slow + rates[1] * flow
+                flown += flow
         out[i] = torque
     return (1.0 + e) * x + out
+
+
+def used_metal(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Metal whose yield limit grows by a fifth as it flows."""
+    return metal(time, x, e, 0.2 * (1.0 - e))
 
 
 def damper(time: Floats, x: Floats, e: float = 0.0) -> Floats:
@@ -213,6 +219,7 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "heavy": (heavy, 0.002),
     "pinching": (pinching, 0.001),
     "metal": (metal, 0.001),
+    "used metal": (used_metal, 0.002),
     "damper": (damper, 0.002),
     "spreadsheet": (spreadsheet, 0.005),
     "rigid body": (rigid_body, 0.002),
@@ -374,7 +381,7 @@ def test_model_file_keeps_further_elements_and_tells_what_is_wrong_with_them() -
     assert np.std(made(further={}).predict(signals.x) - signals.y_sim) > 0.05 * np.std(signals.y_sim)
     for wrong in (
         3.0, {"rope": {"sizes": [[1.0]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]]}},
-        {"rubber": {"sizes": [[0.0]], "weights": [1.0]}}, {"a few sliders with mass": {"sizes": [[0.1, 30.0, 1.0, 0.0, 0.0]], "weights": [1.0]}}, {"leaky sliders": {"sizes": [[0.1, 0.0]], "weights": [1.0]}}, {"a few pinched sliders": {"sizes": [[0.1, 1.0, 0.5, 1.0, 0.2, 0.2]], "weights": [1.0]}}, {"a few hardening sliders": {"sizes": [[0.1, 1.0, 0.0, 1.0, 0.5]], "weights": [1.0]}}, {"a few sliders behind dashpots": {"sizes": [[0.1, 1.0, 0.5, 0.0, 0.1, 0.1]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]], "weights": [1.0, 2.0]}}, {"kinks": {"sizes": [[0.1, 2.0]], "weights": [1.0]}},
+        {"rubber": {"sizes": [[0.0]], "weights": [1.0]}}, {"a few sliders with mass": {"sizes": [[0.1, 30.0, 1.0, 0.0, 0.0]], "weights": [1.0]}}, {"leaky sliders": {"sizes": [[0.1, 0.0]], "weights": [1.0]}}, {"a few pinched sliders": {"sizes": [[0.1, 1.0, 0.5, 1.0, 0.2, 0.2]], "weights": [1.0]}}, {"a few hardening sliders": {"sizes": [[0.1, 1.0, 0.0, 1.0, 0.5, 0.1, 1.0]], "weights": [1.0]}}, {"a few sliders behind dashpots": {"sizes": [[0.1, 1.0, 0.5, 0.0, 0.1, 0.1]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]], "weights": [1.0, 2.0]}}, {"kinks": {"sizes": [[0.1, 2.0]], "weights": [1.0]}},
     ):  # fmt: skip
         with pytest.raises(InputError) as told:
             made(further=wrong)
