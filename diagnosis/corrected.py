@@ -16,10 +16,11 @@ from ..bench.arguments import time_argument
 from ..errors import InputError
 from ..models.base import HysteresisModel, Run, parameter_array, parameter_number
 from .diagnosis import Diagnosis
-from .elements import ELASTIC, KINDS, Motion
 from .emulation import Emulator, SimulatorScene, emulate
 from .evidence import Term, effect_columns
 from .generalised import Generalised, motion_of, predict_generalised, spring_of
+from .kinds import ELASTIC, KINDS
+from .motion import Motion
 from .names import MISCALIBRATION, UNKNOWN
 from .notation import GENERAL, explained
 from .precision import told

@@ -1,7 +1,7 @@
 """The built-in emulator: a generalised Prandtl-Ishlinskii model that is identified from a table of outputs.
 
 Elastic polynomial + stop operators and Dahl bristles (weights of one sign) + stops weighed by position + rate terms, and where
-that is not good enough what simulators are made of besides (see :mod:`hystbench.diagnosis.elements`).
+that is not good enough what simulators are made of besides (see :mod:`hystbench.diagnosis.kinds`).
 """
 
 from __future__ import annotations
@@ -13,20 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .elements import (
-    DIFFERENCES,
-    ELASTIC,
-    KINDS,
-    KINKS,
-    MEMORY,
-    Extent,
-    Motion,
-    kinks_moved,
-    stronger_of,
-    tangents,
-    torque_of,
-    uncancelled,
-)
+from .elements import kinks_moved, stronger_of, tangents, torque_of, uncancelled
+from .kinds import ELASTIC, KINDS, KINKS, MEMORY
+from .motion import DIFFERENCES, Extent, Motion
 from .operators import bristle, plays, rms, weighed
 from .placing import placed
 from .selection import CLEARLY, Selection, places_of, solve, spread, triangle

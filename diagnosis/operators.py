@@ -9,16 +9,13 @@ from numpy.typing import NDArray
 __all__ = [
     "bristle",
     "dashed",
-    "free_flight",
     "hardening",
     "hyperbolic",
     "leaky",
     "lowpass",
     "pinched",
     "plays",
-    "resonated",
     "rms",
-    "sliding",
     "smooth",
     "weighed",
     "yielding",
@@ -37,8 +34,6 @@ NEWTON = 30
 """Steps at most to where metal yields again."""
 STABLE, DASHED = 0.3, 60
 """Longest step of what creeps through a dashpot, over its time constant, and steps at most between two samples."""
-SUBSTEPS = 4
-"""Steps of a mass between two samples."""
 
 
 @njit(cache=True)
@@ -242,56 +237,6 @@ def _lowpass(time, u, tau, out):
 
 
 @njit(cache=True)
-def _rung_down(off, drift, frequency, damping, ringing, decay, c, s):
-    # How far off and how fast a free resonator is one step later: over the step it decays and turns by cosine and sine.
-    swing = (drift + damping * frequency * off) / ringing
-    speed = (swing * ringing - damping * frequency * off) * c - (off * ringing + damping * frequency * swing) * s
-    return decay * (off * c + swing * s), decay * speed
-
-
-@njit(cache=True)
-def _resonated(time, u, frequency, damping, out):
-    ringing = frequency * np.sqrt(1.0 - damping * damping)
-    place, speed = u[0], 0.0
-    out[0] = place
-    for i in range(1, u.size):
-        dt = time[i] - time[i - 1]
-        rate = (u[i] - u[i - 1]) / dt
-        # Exact for an input that is linear between samples: what is left beside following it late rings down.
-        late = 2.0 * damping / frequency * rate
-        off, drift = place - u[i - 1] + late, speed - rate
-        decay, c, s = np.exp(-damping * frequency * dt), np.cos(ringing * dt), np.sin(ringing * dt)
-        off, drift = _rung_down(off, drift, frequency, damping, ringing, decay, c, s)
-        place, speed = u[i] - late + off, rate + drift
-        out[i] = place
-
-
-@njit(cache=True)
-def _sliding(time, x, level, frequency, damping, creep, late, out):
-    place, speed = 0.0, 0.0
-    friction = level * frequency * frequency
-    out[0] = 0.0
-    for i in range(1, x.size):
-        dt = time[i] - time[i - 1]
-        if dt <= 0.0:
-            place, speed = min(max(place, x[i] - level), x[i] + level), 0.0
-            out[i] = x[i] - place
-            continue
-        h = dt / SUBSTEPS
-        pull = h * frequency * frequency
-        inert = 1.0 + 2.0 * damping * frequency * h + h * pull
-        crept = 1.0 / (inert + h * friction / creep)
-        for k in range(SUBSTEPS):
-            driven = speed + pull * (x[i - 1] + (x[i] - x[i - 1]) * (k + 1) / SUBSTEPS - place)
-            # Implicit, so that it stays stable however stiff; friction is linear in the speed up to the creep and constant above.
-            speed = driven * crept
-            if abs(speed) > creep:
-                speed = (driven - h * friction * (1.0 if speed > 0.0 else -1.0)) / inert
-            place += h * speed
-        out[i] = x[i] - place - late * speed
-
-
-@njit(cache=True)
 def _leaky(time, x, level, tau, out):
     f, step, decay, gain = 0.0, 0.0, 1.0, 1.0
     out[0] = 0.0
@@ -304,56 +249,6 @@ def _leaky(time, x, level, tau, out):
             gain = (1.0 - decay) * tau / dt if dt > 0.0 else 1.0
         f = min(max(decay * f + gain * (x[i] - x[i - 1]), -level), level)
         out[i] = f
-
-
-@njit(cache=True)
-def _free_flight(time, x, speed, torque, half, frequency, gap, free, hit):
-    side = 1.0 if torque[0] > 0.0 else -1.0
-    flying = torque[0] == 0.0
-    g = 0.0 if flying else side * half
-    since, start = 0.0, 0.0
-    gap[0], free[0], hit[0] = g, flying, 0.0
-    for i in range(1, x.size):
-        moved, dt = x[i] - x[i - 1], time[i] - time[i - 1]
-        hit[i] = 0.0
-        if not flying and torque[i] * side <= 0.0 and moved * side < 0.0:
-            flying, since, start = True, 0.0, speed[i]
-        if flying:
-            load = start * (np.sin(frequency * (since + dt)) - np.sin(frequency * since)) / frequency
-            since += dt
-            g += moved - load
-            if abs(g) >= half:
-                side = 1.0 if g > 0.0 else -1.0
-                g = side * half
-                hit[i] = (speed[i] - start * np.cos(frequency * since)) / dt
-                flying = False
-        gap[i], free[i] = g, flying
-
-
-def free_flight(
-    time: Floats, x: Floats, speed: Floats, torque: Floats, half: float, frequency: float
-) -> tuple[Floats, Floats, Floats]:
-    """A sprung load that flies across a clearance of ±``half`` when its ``torque`` (n,) changes sign.
-
-    Between the flanks it swings at ``frequency`` (rad/s) about the place where it was left.
-
-    Returns the position within the clearance (n,), 1 where the load flies (n,), and the jump of the load's speed over
-    the sampling interval where it meets a flank (n,).
-    """
-    gap, free, hit = np.empty(x.size), np.empty(x.size), np.empty(x.size)
-    time, x, speed, torque = (np.ascontiguousarray(part) for part in (time, x, speed, torque))
-    _free_flight(time, x, speed, torque, float(half), float(frequency), gap, free, hit)
-    return gap, free, hit
-
-
-def resonated(time: Floats, u: Floats, frequency: float, damping: float) -> Floats:
-    """``u`` (n,) through a resonator of unit static gain that starts settled, shape (n,).
-
-    ``frequency`` is its natural frequency (rad/s), ``damping`` its damping ratio, below one.
-    """
-    out = np.empty(u.size)
-    _resonated(np.ascontiguousarray(time), np.ascontiguousarray(u), float(frequency), float(damping), out)
-    return out
 
 
 def plays(x: Floats, thresholds: Floats) -> Floats:
@@ -466,21 +361,6 @@ def yielding(x: Floats, level: Floats, length: float) -> Floats:
     """LuGre bristle of stiffness 1/``length`` over ``x`` (n,) that yields at ``level`` (n,), shape (n,)."""
     out = np.zeros(x.size)
     _yielding(np.ascontiguousarray(x), np.ascontiguousarray(level), float(length), out)
-    return out
-
-
-def sliding(
-    time: Floats, x: Floats, level: float, frequency: float, damping: float, creep: float, late: float
-) -> Floats:
-    """Stretch of a spring and a dashpot between the input ``x`` (n,) and a mass with dry friction, from rest, shape (n,).
-
-    The mass has the natural ``frequency`` (rad/s) and ``damping`` ratio on the spring. Friction holds it up to the stretch
-    ``level``, as engines for rigid bodies do: below the speed ``creep`` (rad/s) it grows linearly. The dashpot adds the
-    mass's speed times ``late`` (s), taken away. Where no time passes the mass is dragged along slowly.
-    """
-    out = np.empty(x.size)
-    time, x = np.ascontiguousarray(time), np.ascontiguousarray(x)
-    _sliding(time, x, float(level), float(frequency), float(damping), float(creep), float(late), out)
     return out
 
 

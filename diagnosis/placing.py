@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from .elements import Extent, Kind, Motion
+from .kinds import Kind
+from .motion import Extent, Motion
 from .selection import CLEARLY, EXACT, WORTHWHILE
 
 __all__ = ["placed"]
@@ -19,14 +20,17 @@ MOST = 4
 """Elements that are placed at most."""
 STARTS = 2
 """Elements to choose from at which each begins."""
+ALIKE = 0.8
+"""Correlation of two elements from which both would lead to the same."""
 STEPS, MORE = 10, 30
 """Steps of the optimiser for each element that is added, and once all are there."""
 ROWS = 2000
 """Samples that are enough to place elements by."""
 RIDGE = 1e-8
 """Strength of the ridge on the columns beside them."""
-HOPELESS = 0.97
-"""What the best element to choose from leaves of the error where moving it is not worth the time."""
+HOPELESS, COSTLY = 0.97, 0.95
+"""What the best element to choose from leaves of the error where moving it is not worth the time; of the first of those that know
+time."""
 
 
 def placed(
@@ -90,6 +94,8 @@ class _Maker:
         assert kind.limits is not None
         limits = kind.limits(extent)
         self._low, self._high = np.log(limits)
+        self._first = ~np.isin(np.arange(self._low.size), kind.later)
+        self._hopeless_at_first = COSTLY if kind.timed else HOPELESS
         self._starts = np.log(np.clip(kind.sizes(extent), *limits))
         self._tried = columns(np.exp(self._starts))
         self._goal = goal
@@ -115,16 +121,25 @@ class _Maker:
             if error < EXACT:
                 break
         if logs.size and error > EXACT:
-            logs, error = self._moved(logs, MORE)
+            logs, error = self._moved(logs, MORE, np.ones(self._low.size, dtype=bool))
         return np.exp(logs.reshape(-1, self._low.size)), error
 
-    def _moved(self, logs: Floats, steps: int) -> tuple[Floats, float]:
-        """Sizes moved from ``logs`` (any,) on in so many steps, and the error that they leave."""
-        within = np.tile(self._low, logs.size // self._low.size), np.tile(self._high, logs.size // self._low.size)
+    def _moved(self, logs: Floats, steps: int, moving: NDArray[np.bool_]) -> tuple[Floats, float]:
+        """Those sizes of each element that are ``moving`` (m,) moved from ``logs`` (any,) on in so many steps, and the error."""
+        count = logs.size // self._low.size
+        which, limits = np.tile(moving, count), (np.tile(self._low, count), np.tile(self._high, count))
+        made = logs.copy()
+
+        def left(moved: Floats) -> Floats:
+            made[which] = moved
+            return self._left(made)
+
         # Wide enough to see past the corners where a slider gives way.
-        wide = np.full(logs.size, 1e-3)
-        found = least_squares(self._left, logs, bounds=within, max_nfev=steps, diff_step=wide)
-        return found.x, float(np.linalg.norm(found.fun))
+        wide = np.full(int(which.sum()), 1e-3)
+        bounds = limits[0][which], limits[1][which]
+        found = least_squares(left, logs[which], bounds=bounds, max_nfev=steps, diff_step=wide)
+        made[which] = found.x
+        return made, float(np.linalg.norm(found.fun))
 
     def _added(self, logs: Floats) -> tuple[Floats, float]:
         """The same with one element more, from where it helps most; without it where it hardly helps."""
@@ -134,7 +149,22 @@ class _Maker:
         size, own = np.sum(np.square(beyond), axis=0), np.sum(np.square(self._tried), axis=0)
         gain = np.where(size > 1e-6 * own, np.square(left @ beyond) / np.maximum(size, 1e-300), 0.0)
         error = float(np.linalg.norm(left))
-        if np.max(gain) < (1.0 - HOPELESS**2) * error**2:
+        hopeless = HOPELESS if logs.size else self._hopeless_at_first
+        if np.max(gain) < (1.0 - hopeless**2) * error**2:
             return logs, error
-        found = [self._moved(np.concatenate([logs, self._starts[at]]), STEPS) for at in np.argsort(-gain)[:STARTS]]
+        found = [
+            self._moved(np.concatenate([logs, self._starts[at]]), STEPS, self._first) for at in _unlike(beyond, gain)
+        ]
         return min(found, key=lambda each: each[1])
+
+
+def _unlike(columns: Floats, gain: Floats) -> list[int]:
+    """Of columns (n, k) those few of the largest ``gain`` (k,) that are not nearly the same."""
+    unit = columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+    taken: list[int] = []
+    for at in np.argsort(-gain).tolist():
+        if np.all(np.abs(unit[:, taken].T @ unit[:, at]) < ALIKE):
+            taken.append(at)
+        if len(taken) == STARTS:
+            break
+    return taken

@@ -16,8 +16,9 @@ from scipy.ndimage import binary_dilation, median_filter
 from scipy.signal import savgol_coeffs, savgol_filter
 
 from ..models.motion import directions, noise_level, turning_points
+from .masses import resonated
 from .noise import FARTHEST, independent, noise_levels
-from .operators import SAME_STEP, bristle, lowpass, plays, resonated, rms
+from .operators import SAME_STEP, bristle, lowpass, plays, rms
 
 __all__ = ["COORDINATES", "Signals", "differentiate"]
 

@@ -256,9 +256,10 @@ def _either_of_two(
     field: _Field, best: Hypothesis, verdict: Sequence[str], features: Mapping[str, float], supported: float
 ) -> float:
     """Confidence in several effects of which one may have to be swapped for another: told as ambiguous, it is no doubt of all."""
-    if len(best.names) < 2:
-        return 0.0
-    apart = [score for h, score in field.scored() if not is_nested(h, best) and len(h.names ^ best.names) != SWAPPED]
+    swapped = {h.names: score for h, score in field.scored() if len(h.names ^ best.names) == SWAPPED}
+    # Of a single effect any other would be a swap.
+    told = swapped.keys() if len(best.names) > 1 else {max(swapped, key=swapped.__getitem__, default=frozenset())}
+    apart = [score for h, score in field.scored() if not is_nested(h, best) and h.names not in told]
     return confidence(CONFIDENCE, verdict, {**features, "margin": supported - max(apart, default=-np.inf)})
 
 

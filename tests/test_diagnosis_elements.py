@@ -125,6 +125,26 @@ def heavy(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return out
 
 
+def between_pads(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """A spring to a mass with dry friction that rests between two pads of rubber, explicit in small steps."""
+    steps, stiffness, limit, mass = 40, 9.0, 0.9 * (1.0 + e), 0.003
+    out, h = 4.0 * (1.0 + e) * x, INTERVAL / steps
+    fine = np.interp(np.arange((x.size - 1) * steps + 1) * h, time, x)
+    at, speed, stretch = 0.0, 0.0, np.zeros(fine.size)
+    for i, now in enumerate(fine):
+        stretch[i] = now - at
+        deep = max(at - 0.3 * (1.0 - e), 0.0) + min(at + 0.25, 0.0)
+        pad = 300.0 * deep + 1.5 * speed if deep else 0.0
+        pull = stiffness * stretch[i] - (pad if pad * deep > 0.0 else 0.0)
+        if speed == 0.0 and abs(pull) <= limit:
+            continue
+        way = np.sign(speed) if speed else np.sign(pull)
+        speed += h * (pull - way * limit - 0.1 * speed) / mass
+        speed = speed if speed * way > 0.0 else 0.0
+        at += h * speed
+    return out + stiffness * stretch[::steps]
+
+
 def pinching(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """Bouc-Wen with the pinching of Baber and Noori, as printed, explicit in small steps."""
     z, out = 0.0, np.zeros(x.size)
@@ -217,6 +237,7 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "viscoelastic": (viscoelastic, 0.02),
     "saturating": (saturating, 0.02),
     "heavy": (heavy, 0.002),
+    "between pads": (between_pads, 0.005),
     "pinching": (pinching, 0.001),
     "metal": (metal, 0.001),
     "used metal": (used_metal, 0.002),
@@ -381,7 +402,7 @@ def test_model_file_keeps_further_elements_and_tells_what_is_wrong_with_them() -
     assert np.std(made(further={}).predict(signals.x) - signals.y_sim) > 0.05 * np.std(signals.y_sim)
     for wrong in (
         3.0, {"rope": {"sizes": [[1.0]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]]}},
-        {"rubber": {"sizes": [[0.0]], "weights": [1.0]}}, {"a few sliders with mass": {"sizes": [[0.1, 30.0, 1.0, 0.0, 0.0]], "weights": [1.0]}}, {"leaky sliders": {"sizes": [[0.1, 0.0]], "weights": [1.0]}}, {"a few pinched sliders": {"sizes": [[0.1, 1.0, 0.5, 1.0, 0.2, 0.2]], "weights": [1.0]}}, {"a few hardening sliders": {"sizes": [[0.1, 1.0, 0.0, 1.0, 0.5, 0.1, 1.0]], "weights": [1.0]}}, {"a few sliders behind dashpots": {"sizes": [[0.1, 1.0, 0.5, 0.0, 0.1, 0.1]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]], "weights": [1.0, 2.0]}}, {"kinks": {"sizes": [[0.1, 2.0]], "weights": [1.0]}},
+        {"rubber": {"sizes": [[0.0]], "weights": [1.0]}}, {"a few sliders with mass": {"sizes": [[0.1, 30.0, 1.0, 0.0, 0.0, 0.0, 0.1]], "weights": [1.0]}}, {"leaky sliders": {"sizes": [[0.1, 0.0]], "weights": [1.0]}}, {"a few pinched sliders": {"sizes": [[0.1, 1.0, 0.5, 1.0, 0.2, 0.2]], "weights": [1.0]}}, {"a few hardening sliders": {"sizes": [[0.1, 1.0, 0.0, 1.0, 0.5, 0.1, 1.0]], "weights": [1.0]}}, {"a few sliders behind dashpots": {"sizes": [[0.1, 1.0, 0.5, 0.0, 0.1, 0.1]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]], "weights": [1.0, 2.0]}}, {"kinks": {"sizes": [[0.1, 2.0]], "weights": [1.0]}},
     ):  # fmt: skip
         with pytest.raises(InputError) as told:
             made(further=wrong)

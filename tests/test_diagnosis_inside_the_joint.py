@@ -98,6 +98,9 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
     "a capstan": ("load_dependent_friction", lambda: joint(X) + 0.08 * np.abs(spring(X)) * SIGN),
     "a bridge that shifted soon": ("torque_offset", lambda: joint(X) + 0.15 * (TIME > 1.7)),
     "a preloaded spring": ("deflection_offset", lambda: spring(X + 0.08) + friction(X)),
+    "a preload that settles": (
+        "deflection_offset", lambda: spring(X + 0.08 * (1.0 - 0.35 * np.exp(-TIME / 1.5))) + friction(X)
+    ),
     "unequal directions": ("coulomb_friction", lambda: joint(X) + 0.25 * (SIGN + 0.12 * np.abs(SIGN))),
     "a filter behind a bus": (
         "sensor_delay",
@@ -161,6 +164,19 @@ def test_one_factor_without_a_gain_in_the_registry_is_an_effect_that_is_not_know
     assert found.verdict == ["unknown"]
     assert found.choice.factor == pytest.approx(0.05, abs=0.002)
     assert any("one factor on the whole torque, 1.05" in note for note in found.notes)
+
+
+def test_one_of_two_effects_that_do_the_same_beside_errors_is_ambiguous_and_not_unknown() -> None:
+    # The spring is linear: a shift of its deflection is one of its torque, and neither is likely alone.
+    real = 1.04 * 4.0 * X + 1.03 * sliders(
+        X, [(k * s, f * s) for (k, f), s in zip(ELEMENTS, (1.05, 0.96, 1.04), strict=True)]
+    )
+    offset = 0.2 * (1.0 - 0.15 * np.exp(-TIME / 0.4))
+    noise = NOISE * np.random.default_rng(7).standard_normal(X.size)
+    found = diagnose(Signals(TIME, X, real + offset + noise, 4.0 * X + friction(X), [slice(0, X.size)], {}))
+    assert found.verdict[0] in {"torque_offset", "deflection_offset"}
+    assert found.verdict[1:] == ["miscalibration"]
+    assert found.ambiguous == [["deflection_offset", "torque_offset"]]
 
 
 # ---- a hum -------------------------------------------------------------------------------------------------------------

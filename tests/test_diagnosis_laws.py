@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from hystbench.diagnosis import registry
 from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
 from hystbench.diagnosis.emulation import SimulatorScene, emulate
-from hystbench.diagnosis.operators import bristle, free_flight, yielding
+from hystbench.diagnosis.masses import free_flight
+from hystbench.diagnosis.operators import bristle, yielding
 from hystbench.diagnosis.quantisation import torque_step
 from hystbench.diagnosis.signals import Signals
 from hystbench.diagnosis.wording import sentence

@@ -6,7 +6,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..operators import free_flight, plays
+from ..masses import free_flight
+from ..operators import plays
 from .base import INPUT, Effect, Floats, Form, Parameter, Scene, geometric
 
 __all__ = ["Backlash"]

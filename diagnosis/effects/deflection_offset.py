@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+import numpy as np
+
 from .base import INPUT, Effect, Floats, Form, Parameter, Scene
 
 __all__ = ["DeflectionOffset"]
@@ -17,22 +19,32 @@ def _of_spring(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return scene.spring_change(scene.signals.x + shape[0])[:, None]
 
 
+def _settling(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    offset, unsettled, settling_time = shape
+    course = offset * (1.0 - unsettled * np.exp(-scene.signals.elapsed / settling_time))
+    return scene.spring_change(scene.signals.x + course)[:, None]
+
+
 class DeflectionOffset(Effect):
     """The zero of the encoder, or a preload angle, is not where the simulator has it."""
 
     id: ClassVar[str] = "deflection_offset"
     title: ClassVar[str] = "deflection offset"
     summary: ClassVar[str] = "constant error of the deflection (encoder zero, preload angle)"
-    equation: ClassVar[str] = "x → x + d, or only in the elastic part of y_sim"
+    equation: ClassVar[str] = (
+        "x → x + d, or only in the elastic part of y_sim, from the start or with d (1 − q exp(−t/τ))"
+    )
     coordinate: ClassVar[str] = "position"
     acts_on: ClassVar[str] = INPUT
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("offset", "rad", -1.0, 1.0, "d, what the simulator's deflection lacks"),
+        Parameter("unsettled", "1", -0.4, 0.4, "q, part that is missing at the start"),
+        Parameter("settling_time", "s", 0.0, np.inf, "τ, in which the rest comes"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("torque_offset", "stiffness_asymmetry")
 
     def forms(self, scene: Scene) -> list[Form]:
-        reach = scene.signals.reach
+        reach, span, interval = scene.signals.reach, float(scene.signals.elapsed.max()), scene.signals.interval
         made = []
         for sign, told in ((1.0, "positive"), (-1.0, "negative")):
             grid = [(sign * f * reach,) for f in (0.0015, 0.004, 0.01, 0.025, 0.06, 0.15)]
@@ -44,5 +56,10 @@ class DeflectionOffset(Effect):
                 # A spring hung in with a preload, or friction that has settled there, knows nothing of the shift.
                 Form(f"{told}, of the spring", ("_unit",), _of_spring, (1.0,), (1.0,), ("offset",), grid, limits,
                      equation="x = x + offset, in the elastic part alone"),
+                # Friction that came from elsewhere, and is where the simulator has it after the first strokes.
+                Form(f"{told}, settling", ("_unit",), _settling, (1.0,), (1.0,), ("offset", "unsettled", "settling_time"), (),
+                     [*limits, (-0.4, 0.4), (2.0 * interval, 0.15 * span)], (f"{told}, of the spring",),
+                     lambda shape, _: (*shape, 0.1, 0.05 * span),
+                     equation="x = x + offset * (1 - unsettled * exp(-t / settling_time)), in the elastic part alone"),
             ]  # fmt: skip
         return made

@@ -1,0 +1,372 @@
+"""The kinds of elements that simulators of joints are made of besides stops, bristles, a polynomial and rates.
+
+Springs with kinks, rubber, smooth yielding, masses, viscoelasticity, friction behind a dashpot or a lag, loops that bend with
+the place.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .masses import sliding
+from .motion import Extent, Motion
+from .operators import dashed, hardening, hyperbolic, leaky, lowpass, pinched, plays, smooth, yielding
+
+__all__ = ["ELASTIC", "KINDS", "KINKS", "MEMORY", "RATE", "Kind"]
+
+Floats = NDArray[np.float64]
+ELASTIC, MEMORY, RATE = "elastic", "memory", "rate"
+KINKS = "kinks"
+PLACES = 49
+"""Places of a kink that are tried."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One kind of element.
+
+    Attributes
+    ----------
+    part : str
+        ``ELASTIC``, ``MEMORY`` or ``RATE``: what of the simulator it belongs to.
+    one_sign : bool
+        Whether all weights have the sign of the simulator's other elements with memory.
+    sizes : callable
+        ``sizes(extent) -> (k, m)`` of the elements to choose from; of those with memory the first is a length, rad.
+    columns : callable
+        ``columns(motion, sizes) -> (n, k)``, the torque of each for a weight of one.
+    between : mapping of int to (float, float)
+        Between which values, themselves left out, a size must lie, by its place; none is negative anyway.
+    timed : bool
+        Whether it is left out where a recording has no clock. Speed is there in any case: it tells the direction.
+    together : callable, optional
+        ``together(motion, sizes, weights) -> (n,)``, the torque of all, where that takes less than to make each.
+    limits : callable, optional
+        ``limits(extent) -> (2, m)``, positive, between which sizes are moved to their best places from those to choose
+        from, which are not fine enough to be taken as they are.
+    later : sequence of int
+        Which sizes stay where they are until all elements are there: with all at once the way there is easily lost.
+    """
+
+    part: str
+    one_sign: bool
+    sizes: Callable[[Extent], Floats]
+    columns: Callable[[Motion, Floats], Floats]
+    between: Mapping[int, tuple[float, float]] = field(default_factory=dict)
+    timed: bool = False
+    together: Callable[[Motion, Floats, Floats], Floats] | None = None
+    limits: Callable[[Extent], Floats] | None = None
+    later: Sequence[int] = ()
+
+    def torque(self, motion: Motion, sizes: Floats, weights: Floats) -> Floats:
+        """Torque of all elements of these sizes and weights, N·m, shape (n,)."""
+        return self.together(motion, sizes, weights) if self.together else self.columns(motion, sizes) @ weights
+
+    @property
+    def width(self) -> int:
+        """How many sizes an element has."""
+        return int(self.sizes(Extent(1.0, 1.0, 0.01, 1.0)).shape[1])
+
+
+def _by_row(column: Callable[..., Floats]) -> Callable[[Motion, Floats], Floats]:
+    """Columns made one by one, each from its sizes."""
+
+    def columns(motion: Motion, sizes: Floats) -> Floats:
+        return np.column_stack([column(motion, *row) for row in sizes])
+
+    return columns
+
+
+def _timeless(answer: Callable[..., Floats]) -> Callable[[Motion, Floats], Floats]:
+    """Columns of what an operator of given sizes answers to the deflection alone."""
+    return _by_row(lambda motion, *sizes: motion.from_rest(lambda x: answer(x, *sizes)))
+
+
+def _kink(motion: Motion, place: float) -> Floats:
+    return np.asarray(np.maximum(motion.x - place, 0.0) if place > 0.0 else np.minimum(motion.x - place, 0.0))
+
+
+def _rubber(motion: Motion, length: float) -> Floats:
+    return length * motion.from_rest(hyperbolic, length=length)
+
+
+def _stribeck(motion: Motion, length: float, pace: float, excess: float) -> Floats:
+    """A LuGre element that yields at a level which falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1."""
+    level = 1.0 + excess * np.exp(-np.square(motion.speed / pace))
+    return length * motion.from_rest(yielding, level, length=length)
+
+
+def _by_speed(motion: Motion, pace: float, corner: float, ahead: float) -> Floats:
+    """A sign of the speed that grows linearly up to ``pace`` (rad/s), its corners there rounded over ``corner`` of it.
+
+    With wide ones it is a hyperbolic tangent. Engines for rigid bodies look at the speed that will be: ``ahead`` (s) times
+    the acceleration more.
+    """
+    asked = np.array([[1.0], [-1.0]]) * pace + motion.speed + ahead * motion.acceleration
+    size = np.abs(asked) / (corner * pace)
+    # Logarithms of cosines, for they overflow.
+    beyond, before = size + np.log1p(np.exp(-2.0 * size))
+    return np.asarray(0.5 * corner * (beyond - before))
+
+
+def _lag(motion: Motion, constant: float) -> Floats:
+    return np.concatenate([lowpass(motion.time[run], motion.x[run], constant) - motion.x[run] for run in motion.runs])
+
+
+def _leaky(motion: Motion, level: float, constant: float) -> Floats:
+    """A spring in series with a dashpot and a slider."""
+    return motion.from_rest(lambda x, time: leaky(time, x, level, constant), motion.time)
+
+
+def _dashed(motion: Motion, *sizes: float) -> Floats:
+    """A slider that yields smoothly, with a dashpot and a spring beside it and another dashpot behind all."""
+    return motion.from_rest(lambda x, time: dashed(time, x, *sizes), motion.time)
+
+
+def _plays(motion: Motion, half_widths: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """Plays (n, k) of the different ones of so many half widths, and which of them each is."""
+    different, which = np.unique(half_widths, return_inverse=True)
+    return np.concatenate([plays(motion.x[run], different) for run in motion.runs]), which
+
+
+def _stops(motion: Motion, sizes: Floats) -> Floats:
+    played, which = _plays(motion, sizes[:, 0])
+    return np.asarray(motion.x[:, None] - played[:, which])
+
+
+def _lagging(motion: Motion, sizes: Floats) -> Floats:
+    """What stops change by when each lags behind by a time constant."""
+    played, which = _plays(motion, sizes[:, 0])
+    stops = motion.x[:, None] - played
+    columns = np.empty((motion.x.size, len(sizes)))
+    for k, constant in enumerate(sizes[:, 1]):
+        stop = stops[:, which[k]]
+        for run in motion.runs:
+            columns[run, k] = lowpass(motion.time[run], stop[run], constant) - stop[run]
+    return columns
+
+
+def _lagging_together(motion: Motion, sizes: Floats, weights: Floats) -> Floats:
+    """Stops with the same time constant lag as one."""
+    played, which = _plays(motion, sizes[:, 0])
+    total = np.zeros(motion.x.size)
+    for constant in np.unique(sizes[:, 1]):
+        shared = np.bincount(which, weights * (sizes[:, 1] == constant), played.shape[1])
+        stop = motion.x * shared.sum() - played @ shared
+        for run in motion.runs:
+            total[run] += lowpass(motion.time[run], stop[run], constant) - stop[run]
+    return total
+
+
+def _sliding(motion: Motion, *sizes: float) -> Floats:
+    """A spring and a dashpot to a mass with dry friction, which may be between stops."""
+    return motion.from_rest(lambda x, time: sliding(time, x, *sizes), motion.time)
+
+
+def _curved(motion: Motion, sizes: Floats) -> Floats:
+    """Products of powers of plays and of the deflection."""
+    played, which = _plays(motion, sizes[:, 0])
+    return np.asarray(played[:, which] ** sizes[:, 1] * motion.x[:, None] ** sizes[:, 2])
+
+
+def _curved_together(motion: Motion, sizes: Floats, weights: Floats) -> Floats:
+    """Plays with the same powers are multiplied as one."""
+    played, which = _plays(motion, sizes[:, 0])
+    total = np.zeros(motion.x.size)
+    for powers in np.unique(sizes[:, 1:], axis=0):
+        shared = np.bincount(which, weights * np.all(sizes[:, 1:] == powers, axis=1), played.shape[1])
+        total += _power(played, powers[0]) @ shared * _power(motion.x, powers[1])
+    return total
+
+
+def _power(base: Floats, exponent: float) -> Floats:
+    # Products take far less than powers.
+    return np.asarray(np.prod([base] * int(exponent), axis=0) if exponent in (1.0, 2.0, 3.0) else base**exponent)
+
+
+def _with(lengths: Floats, *others: tuple[float, ...]) -> Floats:
+    """Each length with each of the other sizes, shape (k, m)."""
+    return np.array([(length, *other) for length in lengths for other in others])
+
+
+def _smooth_sizes(extent: Extent) -> Floats:
+    others = (1.0, 0.75), (1.0, 0.5), (2.0, 1.0), (2.0, 0.75), (2.0, 0.5)
+    return _with(extent.reach * np.geomspace(0.02, 1.0, 6), *others)
+
+
+def _stribeck_sizes(extent: Extent) -> Floats:
+    others = itertools.product((0.03 * extent.fast, 0.1 * extent.fast, 0.3 * extent.fast, extent.fast), (0.5, 1.5))
+    return _with(extent.reach * np.array([0.004, 0.012, 0.04, 0.12]), *others)
+
+
+KINDS: Mapping[str, Kind] = MappingProxyType({
+    # A stiffer spring that engages, an end stop, a table.
+    KINKS: Kind(
+        ELASTIC, False,
+        lambda extent: extent.reach * np.linspace(-0.96, 0.96, PLACES)[:, None],
+        _by_row(_kink),
+    ),
+    # Rubber: the friction of Berg (Vehicle System Dynamics 30, 1998).
+    "rubber": Kind(
+        MEMORY, True,
+        lambda extent: extent.reach * np.geomspace(0.01, 1.0, 10)[:, None],
+        _by_row(_rubber),
+    ),
+    # Sliders at sharp deflections between those that are there in any case.
+    "a few sharp sliders": Kind(
+        MEMORY, True,
+        lambda extent: extent.reach * np.geomspace(0.02, 1.0, 12)[:, None],
+        _stops,
+        limits=lambda extent: extent.reach * np.array([[0.003], [3.0]]),
+    ),
+    "smooth yielding": Kind(
+        MEMORY, True,
+        _smooth_sizes,
+        _timeless(smooth),
+        {1: (0.0, np.inf)},
+    ),
+    "a few smooth sliders": Kind(
+        MEMORY, True,
+        _smooth_sizes,
+        _timeless(smooth),
+        {1: (0.0, np.inf)},
+        limits=lambda extent: np.array([[0.004 * extent.reach, 1.0, 0.3], [3.0 * extent.reach, 8.0, 3.0]]),
+    ),
+    # Timber, bolts and concrete: a loop that is slack in its middle.
+    "a few pinched sliders": Kind(
+        MEMORY, True,
+        lambda extent: _with(
+            extent.reach * np.geomspace(0.05, 1.0, 5), *itertools.product((1.0, 2.0), (0.75,), (0.5,), (0.1, 0.3), (0.3,))
+        ),
+        _timeless(pinched),
+        {1: (0.0, np.inf), 3: (0.0, 1.0), 5: (0.01, np.inf)},
+        limits=lambda extent: np.array([
+            [0.02 * extent.reach, 1.0, 0.3, 0.02, 0.005, 0.08], [3.0 * extent.reach, 4.0, 1.5, 0.95, 0.9, 1.5],
+        ]),
+    ),
+    # Dampers of magnetorheological fluid with their accumulator: Spencer et al. (J. Eng. Mech. 123, 1997).
+    "a few sliders behind dashpots": Kind(
+        MEMORY, True,
+        lambda extent: extent.dashed * _with(
+            np.geomspace(0.05, 1.0, 4), *itertools.product((1.0, 2.0), (0.75,), (2.0, 10.0, 50.0), (0.3, 3.0), (0.1,))
+        ),
+        _by_row(_dashed),
+        {1: (0.0, np.inf), 3: (0.0, np.inf)},
+        timed=True,
+        limits=lambda extent: extent.dashed * [
+            [0.004, 1.0, 0.3, 0.5, 0.01, 1e-3], [3.0, 8.0, 3.0, 1000.0, 100.0, 10.0],
+        ],
+    ),
+    # Metal that yields: its back stresses recall themselves.
+    "a few hardening sliders": Kind(
+        MEMORY, True,
+        lambda extent: extent.metal * _with(
+            np.geomspace(0.01, 0.4, 9), *itertools.product((0.3, 0.8, 2.0), (0.03, 0.1, 0.3), (0.2,), (1.0,), (0.03,), (3.0,))
+        ),
+        _timeless(hardening),
+        {2: (0.0, np.inf), 4: (0.0, np.inf), 6: (0.0, np.inf)},
+        limits=lambda extent: extent.metal * [
+            [0.003, 0.02, 0.01, 0.01, 0.1, 1e-3, 0.1], [1.0, 10.0, 1.0, 3.0, 10.0, 3.0, 100.0],
+        ],
+    ),
+    # A simulator with Stribeck friction: Canudas de Wit et al. (IEEE TAC 40, 1995).
+    "Stribeck friction": Kind(
+        MEMORY, True,
+        _stribeck_sizes,
+        _by_row(_stribeck),
+    ),
+    "a few Stribeck sliders": Kind(
+        MEMORY, True,
+        _stribeck_sizes,
+        _by_row(_stribeck),
+        limits=lambda extent: np.array([
+            [0.001 * extent.reach, 0.003 * extent.fast, 0.02], [extent.reach, 5.0 * extent.fast, 6.0],
+        ]),
+    ),
+    # Joints of an engine for rigid bodies (MuJoCo and its like) have mass, damping and dry friction that creeps.
+    "a few sliders with mass": Kind(
+        MEMORY, True,
+        lambda extent: extent.body * _with(
+            np.geomspace(0.02, 1.0, 8),
+            *itertools.product((0.03, 0.1, 0.4, 1.6), (0.3, 2.0), (0.003, 0.05), (0.01,), (0.01,), (0.1,)),
+        ),
+        _by_row(_sliding),
+        {1: (0.0, np.inf), 3: (0.0, np.inf)},
+        timed=True,
+        limits=lambda extent: extent.body * [
+            [0.003, 0.003, 0.02, 0.0005, 0.001, 0.001, 0.01], [3.0, 6.0, 20.0, 3.0, 50.0, 50.0, 1.0],
+        ],
+        later=(5, 6),
+    ),
+    # The same up to joint limits or pads.
+    "a few sliders with mass between stops": Kind(
+        MEMORY, True,
+        lambda extent: extent.stopped * _with(
+            np.array([0.05, 0.15, 0.4]),
+            *(
+                (*body, 0.01, 0.01, 0.01, 0.1, stop, 1.0, hold, 0.03)
+                for *body, stop, hold in itertools.product((0.1, 0.4, 1.6), (0.3, 2.0), (0.35, 0.55, 0.75), (0.3, 1.0))
+            ),
+        ),
+        _by_row(_sliding),
+        {1: (0.0, np.inf), 3: (0.0, np.inf)},
+        timed=True,
+        limits=lambda extent: extent.stopped * [
+            [0.003, 0.003, 0.02, 0.0005, 0.001, 0.001, 0.01, 0.1, 0.3, 0.02, 0.005],
+            [3.0, 6.0, 20.0, 3.0, 50.0, 50.0, 1.0, 1.0, 3.0, 5.0, 1.0],
+        ],
+        later=(5, 6),
+    ),
+    # Spreadsheets, and engines for rigid bodies asked for the torque of a given motion: the sign of the speed, made smooth.
+    "friction by speed": Kind(
+        RATE, False,
+        lambda extent: extent.rigid * _with(
+            np.geomspace(0.0005, 0.3, 12), *itertools.product((0.2, 5.0), (0.003, 0.3))
+        ),
+        _by_row(_by_speed),
+        {0: (0.0, np.inf), 1: (0.0, np.inf)},
+        limits=lambda extent: extent.rigid * [[1e-4, 0.05, 1e-3], [3.0, 50.0, 50.0]],
+    ),
+    "relaxation": Kind(
+        RATE, False,
+        lambda extent: np.geomspace(4.0 * extent.interval, extent.duration / 3.0, 7)[:, None],
+        _by_row(_lag),
+    ),
+    # A Maxwell arm whose slider gives way, as in dampers of magnetorheological fluid: Spencer et al. (J. Eng. Mech. 123, 1997).
+    "leaky sliders": Kind(
+        MEMORY, True,
+        lambda extent: _with(
+            extent.reach * np.geomspace(0.02, 1.2, 8),
+            *((constant,) for constant in np.geomspace(3.0 * extent.interval, extent.duration / 10.0, 6)),
+        ),
+        _by_row(_leaky),
+        {1: (0.0, np.inf)},
+        timed=True,
+    ),
+    # Torque that is told late.
+    "lagging stops": Kind(
+        MEMORY, False,
+        lambda extent: _with(
+            extent.reach * np.geomspace(0.02, 0.8, 6),
+            *((constant,) for constant in np.geomspace(3.0 * extent.interval, extent.duration / 20.0, 5)),
+        ),
+        _lagging,
+        {1: (0.0, np.inf)},
+        timed=True,
+        together=_lagging_together,
+    ),
+    "curved plays": Kind(
+        MEMORY, False,
+        lambda extent: _with(
+            extent.reach * np.geomspace(0.009, 0.55, 6), (2.0, 0.0), (3.0, 0.0), (1.0, 2.0), (2.0, 1.0)
+        ),
+        _curved,
+        together=_curved_together,
+    ),
+})  # fmt: skip

@@ -1,0 +1,158 @@
+"""Compiled models of what has a mass: resonances, bodies with dry friction behind a spring, loads that fly across a gap."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+__all__ = ["free_flight", "resonated", "sliding"]
+
+Floats = NDArray[np.float64]
+SUBSTEPS = 4
+"""Steps of a mass between two samples."""
+
+
+@njit(cache=True)
+def _rung_down(off, drift, frequency, damping, ringing, decay, c, s):
+    # How far off and how fast a free resonator is one step later: over the step it decays and turns by cosine and sine.
+    swing = (drift + damping * frequency * off) / ringing
+    speed = (swing * ringing - damping * frequency * off) * c - (off * ringing + damping * frequency * swing) * s
+    return decay * (off * c + swing * s), decay * speed
+
+
+@njit(cache=True)
+def _resonated(time, u, frequency, damping, out):
+    ringing = frequency * np.sqrt(1.0 - damping * damping)
+    place, speed = u[0], 0.0
+    out[0] = place
+    for i in range(1, u.size):
+        dt = time[i] - time[i - 1]
+        rate = (u[i] - u[i - 1]) / dt
+        # Exact for an input that is linear between samples: what is left beside following it late rings down.
+        late = 2.0 * damping / frequency * rate
+        off, drift = place - u[i - 1] + late, speed - rate
+        decay, c, s = np.exp(-damping * frequency * dt), np.cos(ringing * dt), np.sin(ringing * dt)
+        off, drift = _rung_down(off, drift, frequency, damping, ringing, decay, c, s)
+        place, speed = u[i] - late + off, rate + drift
+        out[i] = place
+
+
+@njit(cache=True)
+def _sliding(time, x, level, frequency, damping, creep, late, early, share, upper, lower, hold, give, out):
+    place, speed = 0.0, 0.0
+    friction = level * frequency * frequency
+    sticky = share * friction / creep
+    out[0] = 0.0
+    for i in range(1, x.size):
+        dt = time[i] - time[i - 1]
+        if dt <= 0.0:
+            place, speed = min(max(place, x[i] - level), x[i] + level), 0.0
+            place = min(max(place, -lower), upper)
+            out[i] = x[i] - place
+            continue
+        h = dt / SUBSTEPS
+        pull = frequency * frequency
+        inert = 2.0 * damping * frequency + h * pull
+        firm = hold * hold
+        stopping = 2.0 * hold + h * firm
+        dragged = early * (x[i] - x[i - 1]) / dt
+        for k in range(SUBSTEPS):
+            pulled = pull * (x[i - 1] + (x[i] - x[i - 1]) * (k + 1) / SUBSTEPS + dragged - place)
+            beyond = max(place - upper, 0.0) + min(place + lower, 0.0)
+            part, push, drag = 1.0, 0.0, 0.0
+            # A stop only pushes. All is implicit, so that it stays stable however stiff.
+            if beyond != 0.0 and (hold * beyond + 2.0 * speed) * beyond > 0.0:
+                part, push, drag = give, firm * beyond, stopping
+            held = (speed + h * (part * share * pulled - push)) / (1.0 + h * (part * (share * inert + sticky) + drag))
+            grip = (1.0 - share) * (pulled - inert * held) + sticky * held
+            if abs(grip) > friction:
+                slip = part * (pulled - friction * (1.0 if grip > 0.0 else -1.0)) - push
+                speed = (speed + h * slip) / (1.0 + h * (part * inert + drag))
+            else:
+                speed = held
+            place += h * speed
+        out[i] = x[i] - place - late * speed
+
+
+@njit(cache=True)
+def _free_flight(time, x, speed, torque, half, frequency, gap, free, hit):
+    side = 1.0 if torque[0] > 0.0 else -1.0
+    flying = torque[0] == 0.0
+    g = 0.0 if flying else side * half
+    since, start = 0.0, 0.0
+    gap[0], free[0], hit[0] = g, flying, 0.0
+    for i in range(1, x.size):
+        moved, dt = x[i] - x[i - 1], time[i] - time[i - 1]
+        hit[i] = 0.0
+        if not flying and torque[i] * side <= 0.0 and moved * side < 0.0:
+            flying, since, start = True, 0.0, speed[i]
+        if flying:
+            load = start * (np.sin(frequency * (since + dt)) - np.sin(frequency * since)) / frequency
+            since += dt
+            g += moved - load
+            if abs(g) >= half:
+                side = 1.0 if g > 0.0 else -1.0
+                g = side * half
+                hit[i] = (speed[i] - start * np.cos(frequency * since)) / dt
+                flying = False
+        gap[i], free[i] = g, flying
+
+
+def free_flight(
+    time: Floats, x: Floats, speed: Floats, torque: Floats, half: float, frequency: float
+) -> tuple[Floats, Floats, Floats]:
+    """A sprung load that flies across a clearance of ±``half`` when its ``torque`` (n,) changes sign.
+
+    Between the flanks it swings at ``frequency`` (rad/s) about the place where it was left.
+
+    Returns the position within the clearance (n,), 1 where the load flies (n,), and the jump of the load's speed over
+    the sampling interval where it meets a flank (n,).
+    """
+    gap, free, hit = np.empty(x.size), np.empty(x.size), np.empty(x.size)
+    time, x, speed, torque = (np.ascontiguousarray(part) for part in (time, x, speed, torque))
+    _free_flight(time, x, speed, torque, float(half), float(frequency), gap, free, hit)
+    return gap, free, hit
+
+
+def resonated(time: Floats, u: Floats, frequency: float, damping: float) -> Floats:
+    """``u`` (n,) through a resonator of unit static gain that starts settled, shape (n,).
+
+    ``frequency`` is its natural frequency (rad/s), ``damping`` its damping ratio, below one.
+    """
+    out = np.empty(u.size)
+    _resonated(np.ascontiguousarray(time), np.ascontiguousarray(u), float(frequency), float(damping), out)
+    return out
+
+
+def sliding(
+    time: Floats,
+    x: Floats,
+    level: float,
+    frequency: float,
+    damping: float,
+    creep: float,
+    late: float,
+    early: float = 0.0,
+    share: float = 1.0,
+    upper: float = np.inf,
+    skew: float = 1.0,
+    hold: float = 0.0,
+    give: float = 1.0,
+) -> Floats:
+    """Stretch of a spring and a dashpot between the input ``x`` (n,) and a mass with dry friction, from rest, shape (n,).
+
+    The mass has the natural ``frequency`` (rad/s) and ``damping`` ratio on the spring. Friction holds it up to the stretch
+    ``level``, as engines for rigid bodies do: what holds it leaves ``share`` of the acceleration, and below the speed
+    ``creep`` (rad/s) it creeps. The dashpot adds the mass's speed times ``late`` (s), taken away, and drags the mass along
+    by the input's speed times ``early`` (s). Where no time passes the mass follows slowly.
+
+    It may move up to stops at ``upper`` (rad) and, on the other side, ``skew`` times as far away. They bring it back at the
+    frequency ``hold`` (rad/s), critically damped, and leave ``give`` of the acceleration. Both are the soft constraints of
+    MuJoCo, whose impedance is the rest of that share (Todorov, ICRA 2014, 6054-6061).
+    """
+    out = np.empty(x.size)
+    mass = float(level), float(frequency), float(damping), float(creep), float(late), float(early), float(share)
+    stops = float(upper), float(upper * skew), float(hold), float(give)
+    _sliding(np.ascontiguousarray(time), np.ascontiguousarray(x), *mass, *stops, out)
+    return out

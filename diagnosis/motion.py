@@ -1,0 +1,100 @@
+"""An input as the emulator's elements see it, and what a recording of it spans."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["DIFFERENCES", "Extent", "Motion"]
+
+Floats = NDArray[np.float64]
+
+
+def _backward(series: Floats, time: Floats) -> Floats:
+    slope = np.zeros_like(series)
+    slope[1:] = np.diff(series) / np.diff(time)
+    return slope
+
+
+DIFFERENCES: Mapping[str, Callable[[Floats, Floats], Floats]] = MappingProxyType({
+    "central": np.gradient,
+    "backward": _backward,
+})  # fmt: skip
+"""Derivatives of a series by time that simulators take which do not filter."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """An input: time, deflection and its derivatives, shapes (n,), in runs in each of which memory starts anew."""
+
+    time: Floats
+    x: Floats
+    speed: Floats
+    acceleration: Floats
+    runs: Sequence[slice]
+
+    def at(self, samples: NDArray[np.intp]) -> Motion:
+        """The motion at some samples (k,) only, the first one of each run among them."""
+        edges = [np.searchsorted(samples, (run.start, run.stop)) for run in self.runs]
+        runs = [slice(int(a), int(b)) for a, b in edges]
+        return Motion(self.time[samples], self.x[samples], self.speed[samples], self.acceleration[samples], runs)
+
+    def differenced(self, derivatives: str) -> Motion:
+        """The motion with its derivatives as a simulator takes them: ``"central"`` or ``"backward"`` differences, or these."""
+        if derivatives not in DIFFERENCES:
+            return self
+        speed, acceleration = np.empty_like(self.x), np.empty_like(self.x)
+        for run in self.runs:
+            for series, of in ((speed, self.x), (acceleration, speed)):
+                series[run] = DIFFERENCES[derivatives](of[run], self.time[run])
+        return replace(self, speed=speed, acceleration=acceleration)
+
+    def from_rest(self, answer: Callable[..., Floats], *others: Floats, **sizes: float) -> Floats:
+        """What an operator of given ``sizes`` answers, shape (n,), where each run comes from zero to where it begins.
+
+        It is asked for the deflection and ``others`` (n,) along it.
+        """
+        answers = []
+        for run in self.runs:
+            given = [np.concatenate([[0.0], self.x[run]])] + [np.concatenate([o[run][:1], o[run]]) for o in others]
+            answers.append(answer(*given, **sizes)[1:])
+        return np.concatenate(answers)
+
+
+@dataclass(frozen=True)
+class Extent:
+    """What a recording spans: reach (rad) and standard deviation of the speed (rad/s), interval and duration (s)."""
+
+    reach: float
+    fast: float
+    interval: float
+    duration: float
+
+    @property
+    def body(self) -> Floats:
+        """Of the sizes of a slider with mass: rad, rad/s, 1, rad/s, s, s, 1; shape (7,)."""
+        return np.array([self.reach, 1.0 / self.interval, 1.0, self.fast, self.interval, self.interval, 1.0])
+
+    @property
+    def stopped(self) -> Floats:
+        """The same of one between stops: and rad, 1, rad/s, 1; shape (11,)."""
+        return np.array([*self.body, self.reach, 1.0, 1.0 / self.interval, 1.0])
+
+    @property
+    def rigid(self) -> Floats:
+        """The same of friction that knows the speed alone: rad/s, 1, s; shape (3,)."""
+        return np.array([self.fast, 1.0, self.interval])
+
+    @property
+    def dashed(self) -> Floats:
+        """The same of a slider behind a dashpot: rad, 1, 1, s, s, 1; shape (6,)."""
+        return np.array([self.reach, 1.0, 1.0, self.interval, self.interval, 1.0])
+
+    @property
+    def metal(self) -> Floats:
+        """The same of a slider that hardens: rad, 1, rad, 1, rad, 1, rad; shape (7,)."""
+        return np.array([self.reach, 1.0, self.reach, 1.0, self.reach, 1.0, self.reach])
