@@ -64,6 +64,7 @@ def _sliding(time, x, level, frequency, damping, creep, late, early, share, uppe
             # A stop only pushes. All is implicit, so that it stays stable however stiff.
             if beyond != 0.0 and (hold * beyond + 2.0 * speed) * beyond > 0.0:
                 part, push, drag = give, firm * beyond, stopping
+            # Friction holds with what it takes, and lets go where that is more than it has.
             held = (speed + h * (part * share * pulled - push)) / (1.0 + h * (part * (share * inert + sticky) + drag))
             grip = (1.0 - share) * (pulled - inert * held) + sticky * held
             if abs(grip) > friction:

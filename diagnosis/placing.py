@@ -24,13 +24,15 @@ ALIKE = 0.8
 """Correlation of two elements from which both would lead to the same."""
 STEPS, MORE = 10, 30
 """Steps of the optimiser for each element that is added, and once all are there."""
-ROWS = 2000
+ROWS = 1400
 """Samples that are enough to place elements by."""
 RIDGE = 1e-8
 """Strength of the ridge on the columns beside them."""
 HOPELESS, COSTLY = 0.97, 0.95
 """What the best element to choose from leaves of the error where moving it is not worth the time; of the first of those that know
 time."""
+RICH, POOR = 8, 0.01
+"""From so many sizes on an element is looked for only where so much of the error is left."""
 
 
 def placed(
@@ -64,6 +66,9 @@ def placed(
     better: dict[str, Floats] = {}
     least = float(np.linalg.norm(goal))
     for name, kind in sorted(kinds.items(), key=lambda each: each[1].width):
+        if kind.width >= RICH and least < POOR:
+            # It would take most of the time for what is small already.
+            break
         sizes, error = maker_of(kind).made()
         if sizes.size and error < CLEARLY * least:
             better[name], least = sizes, error

@@ -255,7 +255,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
 def _either_of_two(
     field: _Field, best: Hypothesis, verdict: Sequence[str], features: Mapping[str, float], supported: float
 ) -> float:
-    """Confidence in several effects of which one may have to be swapped for another: told as ambiguous, it is no doubt of all."""
+    """Confidence in effects of which one may have to be swapped for another: told as ambiguous, it is no doubt of all."""
     swapped = {h.names: score for h, score in field.scored() if len(h.names ^ best.names) == SWAPPED}
     # Of a single effect any other would be a swap.
     told = swapped.keys() if len(best.names) > 1 else {max(swapped, key=swapped.__getitem__, default=frozenset())}
