@@ -112,11 +112,16 @@ def test_what_is_as_good_beside_an_exact_simulator_is_ambiguous() -> None:
 
 
 def test_which_of_two_effects_stands_beside_another_is_ambiguous_and_not_unknown() -> None:
+    # The spring is nearly linear: a small change of the emulator turns round which of the two offsets is named.
+    offsets = {"deflection_offset", "torque_offset"}
     case, found = developed(18237, *DEVELOPMENT_PLANTS)
-    assert set(found.verdict) == set(case.effects) == {"stribeck_friction", "torque_offset"}
-    assert sorted(found.ambiguous[0]) == ["deflection_offset", "torque_offset"]
+    assert set(case.effects) == {"stribeck_friction", "torque_offset"}
+    assert set(found.verdict) - offsets == {"stribeck_friction"}
+    assert len(offsets & set(found.verdict)) == 1
+    assert [set(pair) for pair in found.ambiguous] == [offsets]
     assert 0.2 < found.confidence < 0.6
-    assert "comes from stribeck friction and torque offset (or deflection offset); adding" in sentence(found)
+    named, other = sorted(offsets, key=lambda name: name not in found.verdict)
+    assert f"{named.replace('_', ' ')} (or {other.replace('_', ' ')})" in sentence(found)
 
 
 @pytest.mark.parametrize(("length", "torque", "duration"), [(57.3, 1e-3, 1.0), (1e-3, 1e4, 0.05), (1.0, 1.0, 20.0)])
