@@ -67,15 +67,18 @@ class Generalised:
 
     def _grow_by_derivatives(self) -> None:
         """Identify all anew with the derivatives of the motion that the simulator takes, where its friction tells them."""
+        if not self.signals.timed:
+            self._grow()
+            return
         start = vars(self).copy()
         motions = {name: self.motion.differenced(name) for name in (SMOOTH, *DIFFERENCES)}
-        left = {name: self._left_by_speed(motion) for name, motion in motions.items()}
-        best = min(left, key=left.__getitem__)
+        beside = np.hstack(self._parts(self.thresholds)[:2])
+        left = {name: self._left_by_speed(motion, beside) for name, motion in motions.items()}
         other = min(DIFFERENCES, key=left.__getitem__)
-        first = best if left[best] < CLEARLY * left[SMOOTH] and self.signals.timed else SMOOTH
+        first = other if left[other] < CLEARLY * left[SMOOTH] else SMOOTH
         self.derivatives, self.motion = first, motions[first]
         self._grow()
-        if BY_SPEED in self.further and first == SMOOTH and self.signals.timed:
+        if BY_SPEED in self.further and first == SMOOTH:
             # It is sharp enough to tell from which speed it was made.
             smooth = vars(self).copy()
             vars(self).update(start, derivatives=other, motion=motions[other])
@@ -178,13 +181,12 @@ class Generalised:
         most = 0.04 * self.reach
         return np.clip(sizes + np.clip(step, -most, most)[:, None], -self.reach, self.reach)
 
-    def _left_by_speed(self, motion: Motion) -> float:
-        """What friction that knows the speed of ``motion`` leaves beside elements with memory, N·m."""
+    def _left_by_speed(self, motion: Motion, beside: Floats) -> float:
+        """What friction that knows the speed of ``motion`` leaves ``beside`` others' columns (n, any), N·m."""
         some, kind = spread(self.signals.x.size, FEW), KINDS[BY_SPEED]
-        elastic, stops, _ = self._parts(self.thresholds)
         rates = _rates(motion.speed, motion.acceleration, self.fast)
         friction = kind.columns(motion, kind.sizes(self._extent))
-        columns = np.hstack([part[some] for part in (elastic, stops, rates, friction)])
+        columns = np.hstack([part[some] for part in (beside, rates, friction)])
         columns /= np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
         basis, sizes, _ = np.linalg.svd(columns, full_matrices=False)
         basis = basis[:, sizes > 1e-4 * sizes[0]]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
@@ -25,6 +26,8 @@ ELASTIC, MEMORY, RATE = "elastic", "memory", "rate"
 KINKS = "kinks"
 PLACES = 49
 """Places of a kink that are tried."""
+BODIES = (0.003, 0.003, 0.02, 0.0005, 0.001, 0.001, 0.01), (3.0, 6.0, 20.0, 3.0, 50.0, 50.0, 1.0)
+"""Limits of the sizes of a slider with mass, in :attr:`Extent.body`."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +71,7 @@ class Kind:
         """Torque of all elements of these sizes and weights, N·m, shape (n,)."""
         return self.together(motion, sizes, weights) if self.together else self.columns(motion, sizes) @ weights
 
-    @property
+    @cached_property
     def width(self) -> int:
         """How many sizes an element has."""
         return int(self.sizes(Extent(1.0, 1.0, 0.01, 1.0)).shape[1])
@@ -86,6 +89,11 @@ def _by_row(column: Callable[..., Floats]) -> Callable[[Motion, Floats], Floats]
 def _timeless(answer: Callable[..., Floats]) -> Callable[[Motion, Floats], Floats]:
     """Columns of what an operator of given sizes answers to the deflection alone."""
     return _by_row(lambda motion, *sizes: motion.from_rest(lambda x: answer(x, *sizes)))
+
+
+def _timed(answer: Callable[..., Floats]) -> Callable[[Motion, Floats], Floats]:
+    """The same of one that knows the time as well."""
+    return _by_row(lambda motion, *sizes: motion.from_rest(lambda x, time: answer(time, x, *sizes), motion.time))
 
 
 def _kink(motion: Motion, place: float) -> Floats:
@@ -117,16 +125,6 @@ def _by_speed(motion: Motion, pace: float, corner: float, ahead: float) -> Float
 
 def _lag(motion: Motion, constant: float) -> Floats:
     return np.concatenate([lowpass(motion.time[run], motion.x[run], constant) - motion.x[run] for run in motion.runs])
-
-
-def _leaky(motion: Motion, level: float, constant: float) -> Floats:
-    """A spring in series with a dashpot and a slider."""
-    return motion.from_rest(lambda x, time: leaky(time, x, level, constant), motion.time)
-
-
-def _dashed(motion: Motion, *sizes: float) -> Floats:
-    """A slider that yields smoothly, with a dashpot and a spring beside it and another dashpot behind all."""
-    return motion.from_rest(lambda x, time: dashed(time, x, *sizes), motion.time)
 
 
 def _plays(motion: Motion, half_widths: Floats) -> tuple[Floats, NDArray[np.intp]]:
@@ -162,11 +160,6 @@ def _lagging_together(motion: Motion, sizes: Floats, weights: Floats) -> Floats:
         for run in motion.runs:
             total[run] += lowpass(motion.time[run], stop[run], constant) - stop[run]
     return total
-
-
-def _sliding(motion: Motion, *sizes: float) -> Floats:
-    """A spring and a dashpot to a mass with dry friction, which may be between stops."""
-    return motion.from_rest(lambda x, time: sliding(time, x, *sizes), motion.time)
 
 
 def _curved(motion: Motion, sizes: Floats) -> Floats:
@@ -256,7 +249,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         lambda extent: extent.dashed * _with(
             np.geomspace(0.05, 1.0, 4), *itertools.product((1.0, 2.0), (0.75,), (2.0, 10.0, 50.0), (0.3, 3.0), (0.1,))
         ),
-        _by_row(_dashed),
+        _timed(dashed),
         {1: (0.0, np.inf), 3: (0.0, np.inf)},
         timed=True,
         limits=lambda extent: extent.dashed * [
@@ -296,12 +289,10 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
             np.geomspace(0.02, 1.0, 8),
             *itertools.product((0.03, 0.1, 0.4, 1.6), (0.3, 2.0), (0.003, 0.05), (0.01,), (0.01,), (0.1,)),
         ),
-        _by_row(_sliding),
+        _timed(sliding),
         {1: (0.0, np.inf), 3: (0.0, np.inf)},
         timed=True,
-        limits=lambda extent: extent.body * [
-            [0.003, 0.003, 0.02, 0.0005, 0.001, 0.001, 0.01], [3.0, 6.0, 20.0, 3.0, 50.0, 50.0, 1.0],
-        ],
+        limits=lambda extent: extent.body * BODIES,
         later=(5, 6),
     ),
     # The same up to joint limits or pads.
@@ -314,13 +305,10 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
                 for *body, stop, hold in itertools.product((0.1, 0.4, 1.6), (0.3, 2.0), (0.35, 0.55, 0.75), (0.3, 1.0))
             ),
         ),
-        _by_row(_sliding),
+        _timed(sliding),
         {1: (0.0, np.inf), 3: (0.0, np.inf)},
         timed=True,
-        limits=lambda extent: extent.stopped * [
-            [0.003, 0.003, 0.02, 0.0005, 0.001, 0.001, 0.01, 0.1, 0.3, 0.02, 0.005],
-            [3.0, 6.0, 20.0, 3.0, 50.0, 50.0, 1.0, 1.0, 3.0, 5.0, 1.0],
-        ],
+        limits=lambda extent: extent.stopped * np.hstack([BODIES, [[0.1, 0.3, 0.02, 0.005], [1.0, 3.0, 5.0, 1.0]]]),
         later=(5, 6),
     ),
     # Spreadsheets, and engines for rigid bodies asked for the torque of a given motion: the sign of the speed, made smooth.
@@ -345,7 +333,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
             extent.reach * np.geomspace(0.02, 1.2, 8),
             *((constant,) for constant in np.geomspace(3.0 * extent.interval, extent.duration / 10.0, 6)),
         ),
-        _by_row(_leaky),
+        _timed(leaky),
         {1: (0.0, np.inf)},
         timed=True,
     ),

@@ -132,17 +132,16 @@ class _Maker:
     def _moved(self, logs: Floats, steps: int, moving: NDArray[np.bool_]) -> tuple[Floats, float]:
         """Those sizes of each element that are ``moving`` (m,) moved from ``logs`` (any,) on in so many steps, and the error."""
         count = logs.size // self._low.size
-        which, limits = np.tile(moving, count), (np.tile(self._low, count), np.tile(self._high, count))
-        made = logs.copy()
+        which, made = np.tile(moving, count), logs.copy()
+        within = np.tile(self._low, count)[which], np.tile(self._high, count)[which]
 
         def left(moved: Floats) -> Floats:
             made[which] = moved
             return self._left(made)
 
         # Wide enough to see past the corners where a slider gives way.
-        wide = np.full(int(which.sum()), 1e-3)
-        bounds = limits[0][which], limits[1][which]
-        found = least_squares(left, logs[which], bounds=bounds, max_nfev=steps, diff_step=wide)
+        wide = np.full(within[0].size, 1e-3)
+        found = least_squares(left, logs[which], bounds=within, max_nfev=steps, diff_step=wide)
         made[which] = found.x
         return made, float(np.linalg.norm(found.fun))
 

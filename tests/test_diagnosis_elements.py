@@ -21,6 +21,7 @@ from hystbench.diagnosis.signals import Signals
 from hystbench.errors import InputError
 
 Floats = NDArray[np.float64]
+Pads = tuple[float, float] | None
 Joint = Callable[..., Floats]
 INTERVAL = 0.01
 
@@ -105,44 +106,39 @@ def saturating(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return (1.0 + e) * x + out
 
 
-def heavy(time: Floats, x: Floats, e: float = 0.0) -> Floats:
-    """Springs to masses with dry and viscous friction, explicit in small steps."""
-    steps = 40
-    out, h = 4.0 * (1.0 + e) * x, INTERVAL / steps
-    fine = np.interp(np.arange((x.size - 1) * steps + 1) * h, time, x)
-    for stiffness, limit, mass, damping in ((9.0, 0.9, 0.001, 0.15), (5.0 * (1.0 + e), 1.3 * (1.0 - e), 0.0015, 0.12)):
-        at, speed, stretch = 0.0, 0.0, np.zeros(fine.size)
-        for i, now in enumerate(fine):
-            stretch[i] = now - at
-            pull = stiffness * stretch[i]
-            if speed == 0.0 and abs(pull) <= limit:
-                continue
-            way = np.sign(speed) if speed else np.sign(pull)
-            speed += h * (pull - way * limit - damping * speed) / mass
-            speed = speed if speed * way > 0.0 else 0.0
-            at += h * speed
-        out = out + stiffness * stretch[::steps]
-    return out
+FINER = 40
 
 
-def between_pads(time: Floats, x: Floats, e: float = 0.0) -> Floats:
-    """A spring to a mass with dry friction that rests between two pads of rubber, explicit in small steps."""
-    steps, stiffness, limit, mass = 40, 9.0, 0.9 * (1.0 + e), 0.003
-    out, h = 4.0 * (1.0 + e) * x, INTERVAL / steps
-    fine = np.interp(np.arange((x.size - 1) * steps + 1) * h, time, x)
+def dragged(
+    time: Floats, x: Floats, stiffness: float, limit: float, mass: float, damping: float, pads: Pads = None
+) -> Floats:
+    """Torque of a spring to a mass with dry and viscous friction, explicit in small steps, which may rest between two pads."""
+    h = INTERVAL / FINER
+    fine = np.interp(np.arange((x.size - 1) * FINER + 1) * h, time, x)
     at, speed, stretch = 0.0, 0.0, np.zeros(fine.size)
     for i, now in enumerate(fine):
         stretch[i] = now - at
-        deep = max(at - 0.3 * (1.0 - e), 0.0) + min(at + 0.25, 0.0)
+        deep = max(at - pads[1], 0.0) + min(at - pads[0], 0.0) if pads else 0.0
         pad = 300.0 * deep + 1.5 * speed if deep else 0.0
         pull = stiffness * stretch[i] - (pad if pad * deep > 0.0 else 0.0)
         if speed == 0.0 and abs(pull) <= limit:
             continue
         way = np.sign(speed) if speed else np.sign(pull)
-        speed += h * (pull - way * limit - 0.1 * speed) / mass
+        speed += h * (pull - way * limit - damping * speed) / mass
         speed = speed if speed * way > 0.0 else 0.0
         at += h * speed
-    return out + stiffness * stretch[::steps]
+    return np.asarray(stiffness * stretch[::FINER])
+
+
+def heavy(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Two masses on springs beside a third spring."""
+    out = 4.0 * (1.0 + e) * x + dragged(time, x, 9.0, 0.9, 0.001, 0.15)
+    return out + dragged(time, x, 5.0 * (1.0 + e), 1.3 * (1.0 - e), 0.0015, 0.12)
+
+
+def between_pads(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """A mass on a spring that strikes pads of rubber."""
+    return 4.0 * (1.0 + e) * x + dragged(time, x, 9.0, 0.9 * (1.0 + e), 0.003, 0.1, (-0.25, 0.3 * (1.0 - e)))
 
 
 def pinching(time: Floats, x: Floats, e: float = 0.0) -> Floats:

@@ -51,9 +51,14 @@ TRAVEL = np.cumsum(np.abs(np.diff(X, prepend=X[0])))
 SIGN = np.tanh(SPEED / 0.02)
 
 
-def signals(y_real: Floats, seed: int = 5) -> Signals:
+def signals(y_real: Floats, seed: int = 5, y_sim: Floats | None = None) -> Signals:
     noise = NOISE * np.random.default_rng(seed).standard_normal(X.size)
-    return Signals(TIME, X, y_real + noise, joint(X), [slice(0, X.size)], {})
+    return Signals(TIME, X, y_real + noise, joint(X) if y_sim is None else y_sim, [slice(0, X.size)], {})
+
+
+def friction_that_is_off() -> Floats:
+    """Each slider's stiffness and level by an error of its own."""
+    return sliders(X, [(k * s, f * s) for (k, f), s in zip(ELEMENTS, (1.05, 0.96, 1.04), strict=True)])
 
 
 def diagnosed(y_real: Floats, exclude: tuple[str, ...] = ()) -> Diagnosis:
@@ -150,11 +155,7 @@ def test_strength_is_the_change_with_the_level_at_which_friction_slides() -> Non
 
 def test_one_factor_is_a_gain_and_several_errors_are_a_miscalibration() -> None:
     assert diagnosed(1.05 * joint(X)).verdict == ["torque_gain"]
-    several = (
-        1.05 * 4.0 * X
-        + 0.96 * 0.6 * X**3
-        + sliders(X, [(k * s, f * s) for (k, f), s in zip(ELEMENTS, (1.05, 0.96, 1.04), strict=True)])
-    )
+    several = 1.05 * 4.0 * X + 0.96 * 0.6 * X**3 + friction_that_is_off()
     assert diagnosed(several).verdict == ["miscalibration"]
     assert diagnosed(several, exclude=("torque_gain",)).verdict == ["miscalibration"]
 
@@ -168,12 +169,8 @@ def test_one_factor_without_a_gain_in_the_registry_is_an_effect_that_is_not_know
 
 def test_one_of_two_effects_that_do_the_same_beside_errors_is_ambiguous_and_not_unknown() -> None:
     # The spring is linear: a shift of its deflection is one of its torque, and neither is likely alone.
-    real = 1.04 * 4.0 * X + 1.03 * sliders(
-        X, [(k * s, f * s) for (k, f), s in zip(ELEMENTS, (1.05, 0.96, 1.04), strict=True)]
-    )
     offset = 0.2 * (1.0 - 0.15 * np.exp(-TIME / 0.4))
-    noise = NOISE * np.random.default_rng(7).standard_normal(X.size)
-    found = diagnose(Signals(TIME, X, real + offset + noise, 4.0 * X + friction(X), [slice(0, X.size)], {}))
+    found = diagnose(signals(1.04 * 4.0 * X + 1.03 * friction_that_is_off() + offset, 7, 4.0 * X + friction(X)))
     assert found.verdict[0] in {"torque_offset", "deflection_offset"}
     assert found.verdict[1:] == ["miscalibration"]
     assert found.ambiguous == [["deflection_offset", "torque_offset"]]

@@ -120,8 +120,9 @@ def test_which_of_two_effects_stands_beside_another_is_ambiguous_and_not_unknown
     assert len(offsets & set(found.verdict)) == 1
     assert [set(pair) for pair in found.ambiguous] == [offsets]
     assert 0.2 < found.confidence < 0.6
-    named, other = sorted(offsets, key=lambda name: name not in found.verdict)
-    assert f"{named.replace('_', ' ')} (or {other.replace('_', ' ')})" in sentence(found)
+    (other,) = offsets - set(found.verdict)
+    told = [f"{name} (or {other})" if name in offsets else name for name in found.verdict]
+    assert f"comes from {' and '.join(told)}; adding".replace("_", " ") in sentence(found)
 
 
 @pytest.mark.parametrize(("length", "torque", "duration"), [(57.3, 1e-3, 1.0), (1e-3, 1e4, 0.05), (1.0, 1.0, 20.0)])

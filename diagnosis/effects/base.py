@@ -25,6 +25,7 @@ __all__ = [
     "PARTS",
     "PRESLIDING",
     "SENSOR",
+    "SETTLING",
     "TORQUE",
     "Columns",
     "DirectionLaw",
@@ -36,6 +37,9 @@ __all__ = [
     "direction_laws",
     "geometric",
     "inside",
+    "settled",
+    "settling_limits",
+    "settling_start",
     "times",
 ]
 
@@ -274,6 +278,29 @@ def inside(form: Form, laws: Columns) -> list[Form]:
         )
         for name, part in PARTS.items()
     ]  # fmt: skip
+
+
+SETTLING = (
+    Parameter("unsettled", "1", -0.4, 0.4, "q, part that is missing at the start"),
+    Parameter("settling_time", "s", 0.0, np.inf, "τ, in which the rest comes"),
+)
+"""Parameters of what is not all there at the start; they are its shapes."""
+
+
+def settled(scene: Scene, unsettled: float, settling_time: float) -> Floats:
+    """Share that is there of what settles, shape (n,)."""
+    return np.asarray(1.0 - unsettled * np.exp(-scene.signals.elapsed / settling_time))
+
+
+def settling_limits(scene: Scene) -> list[tuple[float, float]]:
+    """Limits of the shapes of what settles: what goes on for longer is a drift."""
+    s = scene.signals
+    return [(SETTLING[0].lower, SETTLING[0].upper), (2.0 * s.interval, 0.15 * float(s.elapsed.max()))]
+
+
+def settling_start(scene: Scene) -> tuple[float, float]:
+    """Shapes from which what settles is refined."""
+    return 0.1, 0.05 * float(scene.signals.elapsed.max())
 
 
 PRESLIDING = (

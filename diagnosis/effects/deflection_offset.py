@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-import numpy as np
-
-from .base import INPUT, Effect, Floats, Form, Parameter, Scene
+from .base import INPUT, SETTLING, Effect, Floats, Form, Parameter, Scene, settled, settling_limits, settling_start
 
 __all__ = ["DeflectionOffset"]
 
@@ -20,9 +18,8 @@ def _of_spring(scene: Scene, shape: tuple[float, ...]) -> Floats:
 
 
 def _settling(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    offset, unsettled, settling_time = shape
-    course = offset * (1.0 - unsettled * np.exp(-scene.signals.elapsed / settling_time))
-    return scene.spring_change(scene.signals.x + course)[:, None]
+    offset, *settling = shape
+    return scene.spring_change(scene.signals.x + offset * settled(scene, *settling))[:, None]
 
 
 class DeflectionOffset(Effect):
@@ -38,13 +35,12 @@ class DeflectionOffset(Effect):
     acts_on: ClassVar[str] = INPUT
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("offset", "rad", -1.0, 1.0, "d, what the simulator's deflection lacks"),
-        Parameter("unsettled", "1", -0.4, 0.4, "q, part that is missing at the start"),
-        Parameter("settling_time", "s", 0.0, np.inf, "τ, in which the rest comes"),
+        *SETTLING,
     )
     confused_with: ClassVar[tuple[str, ...]] = ("torque_offset", "stiffness_asymmetry")
 
     def forms(self, scene: Scene) -> list[Form]:
-        reach, span, interval = scene.signals.reach, float(scene.signals.elapsed.max()), scene.signals.interval
+        reach = scene.signals.reach
         made = []
         for sign, told in ((1.0, "positive"), (-1.0, "negative")):
             grid = [(sign * f * reach,) for f in (0.0015, 0.004, 0.01, 0.025, 0.06, 0.15)]
@@ -58,8 +54,8 @@ class DeflectionOffset(Effect):
                      equation="x = x + offset, in the elastic part alone"),
                 # Friction that came from elsewhere, and is where the simulator has it after the first strokes.
                 Form(f"{told}, settling", ("_unit",), _settling, (1.0,), (1.0,), ("offset", "unsettled", "settling_time"), (),
-                     [*limits, (-0.4, 0.4), (2.0 * interval, 0.15 * span)], (f"{told}, of the spring",),
-                     lambda shape, _: (*shape, 0.1, 0.05 * span),
+                     [*limits, *settling_limits(scene)], (f"{told}, of the spring",),
+                     lambda shape, _: (*shape, *settling_start(scene)),
                      equation="x = x + offset * (1 - unsettled * exp(-t / settling_time)), in the elastic part alone"),
             ]  # fmt: skip
         return made

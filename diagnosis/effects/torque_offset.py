@@ -6,7 +6,20 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import HIGH, NOT, SENSOR, Effect, Floats, Form, Parameter, Scene
+from .base import (
+    HIGH,
+    NOT,
+    SENSOR,
+    SETTLING,
+    Effect,
+    Floats,
+    Form,
+    Parameter,
+    Scene,
+    settled,
+    settling_limits,
+    settling_start,
+)
 
 __all__ = ["TorqueOffset"]
 
@@ -20,7 +33,7 @@ def _shifted(scene: Scene, shape: tuple[float, ...]) -> Floats:
 
 
 def _settling(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return (1.0 - shape[0] * np.exp(-scene.signals.elapsed / shape[1]))[:, None]
+    return settled(scene, *shape)[:, None]
 
 
 class TorqueOffset(Effect):
@@ -35,8 +48,7 @@ class TorqueOffset(Effect):
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("offset", "N·m", -np.inf, np.inf, "the constant"),
         Parameter("moment", "s", 0.0, np.inf, "at which the zero shifted"),
-        Parameter("unsettled", "1", -0.4, 0.4, "q, part that is missing at the start"),
-        Parameter("settling_time", "s", 0.0, np.inf, "τ, in which the rest comes"),
+        *SETTLING,
     )
     confused_with: ClassVar[tuple[str, ...]] = ("deflection_offset", "thermal_drift")
 
@@ -50,6 +62,6 @@ class TorqueOffset(Effect):
             Form("shifted soon", ("offset",), _shifted, *free, ("moment",), soon, [(2.0 * s.interval, 0.12 * span)],
                  borders=[HIGH], equation="y += offset * (t > moment)"),
             Form("settling", ("offset",), _settling, *free, ("unsettled", "settling_time"), (),
-                 [(-0.4, 0.4), (2.0 * s.interval, 0.15 * span)], ("constant",), lambda shape, _: (0.1, 0.05 * span),
+                 settling_limits(scene), ("constant",), lambda shape, _: settling_start(scene),
                  borders=[NOT, HIGH], equation="y += offset * (1 - unsettled * exp(-t / settling_time))"),
         ]  # fmt: skip
