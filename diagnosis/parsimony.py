@@ -24,6 +24,8 @@ HARDLY_WORSE = 0.02
 """Evidence a sample that a refitted simulator must bring beside an effect to be more than that effect's own misfit."""
 WELL_ABOVE = 6.0
 """Gap over noise from which little that is left can be told from nothing."""
+MANY = 3
+"""Of so many effects beside an exact simulator, one might be what stands in for a refit."""
 PATCHES = 0.3
 """Evidence a sample that further effects may bring although there is nothing left for them to explain."""
 
@@ -52,6 +54,13 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
         bent = evidence.is_beside_refit(hypothesis)
         return left_by(evidence, hypothesis) <= forgiven_here(evidence, float(np.sqrt(energy)) / evidence.sigma, bent)
 
+    def does_without_refit(names: frozenset[str], fewer: frozenset[str]) -> bool:
+        """Whether effects beside an exact simulator explain the gap better than fewer do beside one that is off."""
+        exact, refitted = by_names[names].beside_exact, by_names[fewer]
+        if evidence.fitted or exact is None or not is_refitted(refitted.scale) or exact.score <= refitted.score:
+            return False
+        return len(names) < MANY and _closes_almost_all(evidence, exact, energy) and is_adequate(exact)
+
     changed, explained = True, is_adequate(top)
     while changed:
         changed = False
@@ -61,6 +70,8 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
                 size = float(np.mean(np.square(best.part(name)))) / energy
                 smaller, loss = beside_same_simulator(best.names - {name})
                 if smaller is None:
+                    continue
+                if does_without_refit(best.names, smaller.names):
                     continue
                 indifferent = loss * energy < INDIFFERENT * evidence.sigma**2
                 # Beside a fitted model two effects may share one cause in any proportion.
@@ -109,11 +120,6 @@ def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, e
     def leaves_little(hypothesis: Hypothesis) -> bool:
         return left_by(evidence, hypothesis) <= allowed
 
-    def closes_almost_all(hypothesis: Hypothesis) -> bool:
-        # By itself: not by what even an exact simulator's fine structure may take.
-        left = float(np.mean(np.square(evidence.gap - hypothesis.signal[evidence.rows]))) - evidence.sigma**2
-        return left <= (1.0 - ALMOST_ALL) * energy
-
     blank = next(h for h in ranked if not h.terms)
     if leaves_little(blank):
         # A simulator that is off would do: it needs no effects beside it, but where there are any it may be right.
@@ -124,7 +130,7 @@ def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, e
             if len(hypothesis.terms) != size or (size == len(best.terms) and hypothesis.names != best.names):
                 continue
             beside = hypothesis.beside_exact or evidence.fit(hypothesis.terms, evidence.exact)
-            if beside.score > least and closes_almost_all(beside) and leaves_little(beside):
+            if beside.score > least and _closes_almost_all(evidence, beside, energy) and leaves_little(beside):
                 made.append((beside.score, _in_place_of(hypothesis, beside)))
         if made:
             return max(made, key=lambda pair: pair[0])[1]
@@ -134,12 +140,17 @@ def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, e
 def hardly_worse(evidence: Evidence, hypothesis: Hypothesis) -> Hypothesis:
     """The same effects beside an exact simulator where a refitted one is hardly better; else ``hypothesis``."""
     close = hypothesis.beside_exact
-    # Of three effects beside an exact simulator, one might be what stands in for a refit.
-    few = len(hypothesis.terms) < 3
+    few = len(hypothesis.terms) < MANY
     if evidence.fitted or not few or close is None:
         return hypothesis
     near = close.score > hypothesis.score - HARDLY_WORSE * evidence.effective
     return _in_place_of(hypothesis, close) if near else hypothesis
+
+
+def _closes_almost_all(evidence: Evidence, hypothesis: Hypothesis, energy: float) -> bool:
+    """Whether effects close it by themselves: not by what even an exact simulator's fine structure may take."""
+    left = float(np.mean(np.square(evidence.gap - hypothesis.signal[evidence.rows]))) - evidence.sigma**2
+    return left <= (1.0 - ALMOST_ALL) * energy
 
 
 def _in_place_of(hypothesis: Hypothesis, beside: Hypothesis) -> Hypothesis:

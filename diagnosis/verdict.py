@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .adequacy import ALMOST_ALL, emulated, forgiven_here, left_to_noise
+from .adequacy import ALMOST_ALL, emulated, forgiven_here, left_by, left_to_noise
 from .calibration import CONFIDENCE, confidence
 from .evidence import FINE, Evidence, Hypothesis, Term, count_unknowns, is_refitted
 from .heldout import HeldOut, held_out
@@ -27,6 +27,8 @@ __all__ = ["Choice", "choose"]
 Floats = NDArray[np.float64]
 NEEDED = 0.3
 """Evidence a sample by which an effect must be needed beside a simulator that is off by a tenth."""
+BESIDE_ENOUGH = 0.12
+"""The same where that simulator alone leaves no more than an inexact law may."""
 DOUBT = 0.2
 """A cause less probable than this is not named; of those between this and a half most are right, and an honest figure is stated."""
 CONSTANTS = 3.0
@@ -121,7 +123,11 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
 
     def is_needed(hypothesis: Hypothesis) -> bool:
         pliable = max(count_unknowns(hypothesis.terms) / CONSTANTS, 1.0)
-        least = IDLE if _is_too_far_off(evidence, blank) else BESIDE_OFF * pliable * evidence.effective
+        least = BESIDE_OFF * pliable * evidence.effective
+        if _is_too_far_off(evidence, blank):
+            least = IDLE
+        elif left_by(evidence, blank) <= forgiven_here(evidence, float(np.sqrt(energy)) / floor, False):
+            least = max(least, BESIDE_ENOUGH * evidence.effective)
         return hypothesis.score - blank.score >= least
 
     if not simple.terms and not evidence.fitted:
@@ -144,6 +150,11 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         ranked.sort(key=lambda h: -likely[id(h)])
     field = _Field(evidence, found, ranked, np.array([likely[id(h)] for h in ranked]), energy)
     choice = _stated(field, best, own, refit)
+    if choice.images:
+        # What a law at the end of its range is the image of may be known, and explain the gap itself.
+        again = choose(evidence, [h for h in found if not any(term.is_an_image for term in h.terms)])
+        if again.verdict != [UNKNOWN] and again.hypothesis.names in _imaged_by(best):
+            return again
     if choice.verdict == [UNKNOWN] and evidence.is_beside_refit(best):
         # Doubtful beside a simulator that is off in any case; which alone may leave no more than an inexact law.
         refit = _judge_refit(evidence, blank, energy)
@@ -250,6 +261,15 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
         posterior, odds, list(field.ranked), recalibration_rivals(evidence, verdict, best, own, found, tempered), tempered,
         step, frequency, standing_out, images, factor,
     )  # fmt: skip
+
+
+def _imaged_by(hypothesis: Hypothesis) -> set[frozenset[str]]:
+    """The sets of effects of which a hypothesis with images may be the image."""
+    sets: set[frozenset[str]] = {frozenset()}
+    for term in hypothesis.terms:
+        instead = term.effect.image_of if term.is_an_image else (term.effect.id,)
+        sets = {names | {name} for names in sets for name in instead}
+    return sets
 
 
 def _either_of_two(

@@ -22,6 +22,17 @@ def sliders(x: Floats, elements: Iterable[tuple[float, float]]) -> Floats:
     return out
 
 
+def dahl(x: Floats, friction: float, presliding: float, exponent: float) -> Floats:
+    """Dahl's friction, integrated step by step, from rest, shape (n,)."""
+    state, last, out = 0.0, 0.0, np.empty_like(x)
+    for i, value in enumerate(x):
+        step, last = value - last, value
+        short = 1.0 - state * np.sign(step)
+        state = min(max(state + np.sign(short) * abs(short) ** exponent * step / presliding, -1.0), 1.0)
+        out[i] = friction * state
+    return out
+
+
 def through_a_clearance(x: Floats, width: float, stiffness: float, elements: Iterable[tuple[float, float]]) -> Floats:
     """Torque of a spring and sliders behind a clearance that is crossed where the torque is nil, shape (n,)."""
     elastic, limit = (np.array(part) for part in zip(*elements, strict=True))

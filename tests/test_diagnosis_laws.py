@@ -216,6 +216,17 @@ def test_an_effect_at_the_end_of_its_range_is_not_named_for_one_that_is_excluded
     assert diagnosed(x, joint(x) + law).verdict == [effect]
 
 
+@pytest.mark.parametrize("phase", [0.6, -0.6])
+def test_a_wave_much_longer_than_the_stroke_is_an_offset_of_the_deflection(phase: float) -> None:
+    def hard(x: Floats) -> Floats:
+        return joint(x) + 0.9 * x**3
+
+    time, x = motion()
+    y_real = hard(x + 0.05 * np.cos(0.5 * x + phase)) + 0.036 * np.random.default_rng(1).standard_normal(x.size)
+    signals = Signals(time, x, y_real, hard(x), [slice(0, x.size)], {})
+    assert diagnose(signals).verdict == ["deflection_offset"]
+
+
 # ---- a sensor that counts in steps -------------------------------------------------------------------------------------
 
 

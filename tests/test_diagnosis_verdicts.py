@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from joints import clearance, sliders
+from joints import clearance, dahl, sliders
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 
 from hystbench import datasets, models
 from hystbench.bench.cells import fitted_on
@@ -50,8 +51,10 @@ def one_sine() -> tuple[Floats, Floats]:
     return time, 0.8 * np.sin(2 * np.pi * 0.5 * time)
 
 
-def signals_of(time: Floats, x: Floats, y_real: Floats, y_sim: Floats, seed: int = 1) -> Signals:
-    noise = NOISE * np.random.default_rng(seed).standard_normal(x.size)
+def signals_of(
+    time: Floats, x: Floats, y_real: Floats, y_sim: Floats, seed: int = 1, noise_level: float = NOISE
+) -> Signals:
+    noise = noise_level * np.random.default_rng(seed).standard_normal(x.size)
     return Signals(time, x, y_real + noise, y_sim, [slice(0, x.size)], {})
 
 
@@ -84,6 +87,33 @@ def test_an_effect_beside_a_simulator_that_is_off_is_named_with_it() -> None:
     y_real = spring(x) + 0.06 * np.gradient(x, time)
     found = diagnose(signals_of(time, x, y_real, spring(x, 1.27, 0.66, 4.14, 0.29)))
     assert set(found.verdict) - {"miscalibration"} == {"viscous_friction"}
+
+
+def test_friction_is_not_named_for_what_a_simulator_that_is_off_explains_by_itself() -> None:
+    def joint(x: Floats, friction: float, presliding: float, exponent: float, stiffness: float, cubic: float) -> Floats:
+        return dahl(x, friction, presliding, exponent) + stiffness * x + cubic * x**3
+
+    time = np.arange(3000) * 0.01
+    x = np.sin(2 * np.pi * 0.31 * time) * (0.55 + 0.35 * np.sin(2 * np.pi * 0.047 * time))
+    x = (x + 0.2 * np.sin(2 * np.pi * 0.83 * time)) * (1.0 - np.exp(-time / 0.5))
+    y_real = joint(x, 2.61, 0.04, 1.6, 3.0, 1.96)
+    y_sim = joint(1.037 * x, 2.61 * 0.959, 0.04 * 0.963, 1.6 * 1.05, 3.0 * 0.957, 1.96 * 1.031)
+    found = diagnose(signals_of(time, x, y_real, y_sim, noise_level=0.007))
+    assert found.closed_in_all > 0.98
+    assert found.verdict == ["miscalibration"]
+
+
+def test_a_gain_beside_relaxation_is_no_simulator_that_is_off() -> None:
+    time, x = rich_motion()
+    y_sim = spring(x)
+
+    def relaxed(constant: float) -> Floats:
+        decay = np.exp(-0.01 / constant)
+        return np.asarray(lfilter([1.0 - decay], [1.0, -decay], y_sim))
+
+    y_real = 0.784 * y_sim - 0.08 * (0.6 * relaxed(0.18) + 0.4 * relaxed(0.72))
+    found = diagnose(signals_of(time, x, y_real, y_sim))
+    assert set(found.verdict) == {"torque_gain", "stress_relaxation"}
 
 
 # ---- poor recordings, other units ------------------------------------------------------------------------------------

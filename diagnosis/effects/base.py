@@ -186,6 +186,8 @@ class Effect:
     confused_with: ClassVar[tuple[str, ...]] = ()
     contains: ClassVar[tuple[str, ...]] = ()
     """Simpler effects that are special cases: where they do nearly as well, they are named instead."""
+    image_of: ClassVar[tuple[str, ...]] = ()
+    """Effects of which its laws are images where their shapes run to a border: where they explain the gap, they are named."""
 
     def is_degenerate(self, parameters: dict[str, float], scene: Scene) -> bool:
         """Whether the fitted parameters make this effect a simpler one, on the recording of ``scene``."""

@@ -100,6 +100,8 @@ class EncoderEccentricity(Effect):
         Parameter("periods", "1/rad·2π", 0.0, np.inf, "N, periods a turn"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("deflection_offset", "torque_gain", "miscalibration")
+    # A wave longer than the stroke is hardly more than its mean.
+    image_of: ClassVar[tuple[str, ...]] = ("deflection_offset",)
 
     def is_degenerate(self, parameters: dict[str, float], scene: Scene) -> bool:
         # Harmonics that cancel but for their mean are an offset of the deflection.
