@@ -71,12 +71,11 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
                 smaller, loss = beside_same_simulator(best.names - {name})
                 if smaller is None:
                     continue
-                if does_without_refit(best.names, smaller.names):
-                    continue
                 indifferent = loss * energy < INDIFFERENT * evidence.sigma**2
                 # Beside a fitted model two effects may share one cause in any proportion.
                 little = loss < worth and (evidence.fitted or size < 3.0 * worth)
-                if indifferent or (little and (not explained or is_adequate(by_names[smaller.names]))):
+                enough = indifferent or (little and (not explained or is_adequate(by_names[smaller.names])))
+                if enough and not does_without_refit(best.names, smaller.names):
                     options.append((loss, smaller))
             for special in next(term.effect for term in best.terms if term.effect.id == name).contains:
                 other, loss = beside_same_simulator((best.names - {name}) | {special})
