@@ -111,6 +111,26 @@ class Choice:
 
 def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     """Weigh the hypotheses (the empty one first) and state the verdict."""
+    choice = _chosen(evidence, found)
+    if choice.images:
+        # What a law at the end of its range is the image of may be known, and explain the gap itself.
+        again = _chosen(evidence, [_without_image(h) for h in found if not _is_an_image(h)])
+        if again.verdict != [UNKNOWN] and again.hypothesis.names in _imaged_by(choice.hypothesis):
+            return again
+    return choice
+
+
+def _is_an_image(hypothesis: Hypothesis) -> bool:
+    return any(term.is_an_image for term in hypothesis.terms)
+
+
+def _without_image(hypothesis: Hypothesis) -> Hypothesis:
+    """The same without another law of its effects beside an exact simulator that is an image."""
+    close = hypothesis.beside_exact
+    return hypothesis if close is None or not _is_an_image(close) else replace(hypothesis, beside_exact=None)
+
+
+def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     floor = evidence.sigma
     energy = max(float(np.mean(np.square(evidence.gap))) - floor**2, 1e-6 * floor**2)
     size = max(rms(evidence.gap), floor)
@@ -150,11 +170,6 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         ranked.sort(key=lambda h: -likely[id(h)])
     field = _Field(evidence, found, ranked, np.array([likely[id(h)] for h in ranked]), energy)
     choice = _stated(field, best, own, refit)
-    if choice.images:
-        # What a law at the end of its range is the image of may be known, and explain the gap itself.
-        again = choose(evidence, [h for h in found if not any(term.is_an_image for term in h.terms)])
-        if again.verdict != [UNKNOWN] and again.hypothesis.names in _imaged_by(best):
-            return again
     if choice.verdict == [UNKNOWN] and evidence.is_beside_refit(best):
         # Doubtful beside a simulator that is off in any case; which alone may leave no more than an inexact law.
         refit = _judge_refit(evidence, blank, energy)
