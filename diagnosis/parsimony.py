@@ -59,7 +59,9 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
         exact, refitted = by_names[names].beside_exact, by_names[fewer]
         if evidence.fitted or exact is None or not is_refitted(refitted.scale) or exact.score <= refitted.score:
             return False
-        return len(names) < MANY and _closes_almost_all(evidence, exact, energy) and is_adequate(exact)
+        without = evidence.fit((refitted.beside_exact or refitted).terms, evidence.exact)
+        patched = exact.score - without.score <= PATCHES * evidence.effective
+        return len(names) < MANY and not patched and _closes_almost_all(evidence, exact, energy) and is_adequate(exact)
 
     changed, explained = True, is_adequate(top)
     while changed:
