@@ -118,6 +118,11 @@ class Hypothesis:
         return frozenset(term.effect.id for term in self.terms)
 
     @property
+    def images(self) -> list[Term]:
+        """Those of its terms whose law is only another effect's image."""
+        return [term for term in self.terms if term.is_an_image]
+
+    @property
     def signal(self) -> Floats:
         """What the effects add to the simulator, N·m, shape (n,)."""
         return self.columns @ self.coefficients

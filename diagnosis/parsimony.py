@@ -59,8 +59,7 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
         exact, refitted = by_names[names].beside_exact, by_names[fewer]
         if evidence.fitted or exact is None or not is_refitted(refitted.scale) or exact.score <= refitted.score:
             return False
-        without = evidence.fit((refitted.beside_exact or refitted).terms, evidence.exact)
-        patched = exact.score - without.score <= PATCHES * evidence.effective
+        patched = exact.score - _beside_exact(evidence, refitted).score <= PATCHES * evidence.effective
         return len(names) < MANY and not patched and _closes_almost_all(evidence, exact, energy) and is_adequate(exact)
 
     changed, explained = True, is_adequate(top)
@@ -130,7 +129,7 @@ def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, e
         for hypothesis in ranked:
             if len(hypothesis.terms) != size or (size == len(best.terms) and hypothesis.names != best.names):
                 continue
-            beside = hypothesis.beside_exact or evidence.fit(hypothesis.terms, evidence.exact)
+            beside = _beside_exact(evidence, hypothesis)
             if beside.score > least and _closes_almost_all(evidence, beside, energy) and leaves_little(beside):
                 made.append((beside.score, _in_place_of(hypothesis, beside)))
         if made:
@@ -146,6 +145,11 @@ def hardly_worse(evidence: Evidence, hypothesis: Hypothesis) -> Hypothesis:
         return hypothesis
     near = close.score > hypothesis.score - HARDLY_WORSE * evidence.effective
     return _in_place_of(hypothesis, close) if near else hypothesis
+
+
+def _beside_exact(evidence: Evidence, hypothesis: Hypothesis) -> Hypothesis:
+    """The best that is known of the same effects beside an exact simulator."""
+    return hypothesis.beside_exact or evidence.fit(hypothesis.terms, evidence.exact)
 
 
 def _closes_almost_all(evidence: Evidence, hypothesis: Hypothesis, energy: float) -> bool:

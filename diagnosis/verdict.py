@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -114,20 +115,16 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     choice = _chosen(evidence, found)
     if choice.images:
         # What a law at the end of its range is the image of may be known, and explain the gap itself.
-        again = _chosen(evidence, [_without_image(h) for h in found if not _is_an_image(h)])
+        again = _chosen(evidence, [_without_image(h) for h in found if not h.images])
         if again.verdict != [UNKNOWN] and again.hypothesis.names in _imaged_by(choice.hypothesis):
             return again
     return choice
 
 
-def _is_an_image(hypothesis: Hypothesis) -> bool:
-    return any(term.is_an_image for term in hypothesis.terms)
-
-
 def _without_image(hypothesis: Hypothesis) -> Hypothesis:
     """The same without another law of its effects beside an exact simulator that is an image."""
     close = hypothesis.beside_exact
-    return hypothesis if close is None or not _is_an_image(close) else replace(hypothesis, beside_exact=None)
+    return replace(hypothesis, beside_exact=None) if close and close.images else hypothesis
 
 
 def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
@@ -141,14 +138,13 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     best = fewest(evidence, ranked, simple, energy)
     blank = found[0]
 
+    is_far = _is_too_far_off(evidence, blank)
+    is_enough = left_by(evidence, blank) <= forgiven_here(evidence, float(np.sqrt(energy)) / floor, False)
+
     def is_needed(hypothesis: Hypothesis) -> bool:
         pliable = max(count_unknowns(hypothesis.terms) / CONSTANTS, 1.0)
-        least = BESIDE_OFF * pliable * evidence.effective
-        if _is_too_far_off(evidence, blank):
-            least = IDLE
-        elif left_by(evidence, blank) <= forgiven_here(evidence, float(np.sqrt(energy)) / floor, False):
-            least = max(least, BESIDE_ENOUGH * evidence.effective)
-        return hypothesis.score - blank.score >= least
+        least = max(BESIDE_OFF * pliable, BESIDE_ENOUGH if is_enough else 0.0) * evidence.effective
+        return hypothesis.score - blank.score >= (IDLE if is_far else least)
 
     if not simple.terms and not evidence.fitted:
         single = (h for h in ranked if len(h.terms) == 1 and rms(h.signal) > SUBSTANTIAL * size)
@@ -251,7 +247,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     ):
         verdict = [UNKNOWN]
     elif not evidence.fitted:
-        images = [term for term in best.terms if term.is_an_image]
+        images = best.images
         factor = _one_factor(evidence, found, energy) if verdict == [MISCALIBRATION] else 0.0
         verdict = [UNKNOWN] if images or factor else verdict
     stated = confidence(CONFIDENCE, verdict, features)
@@ -280,11 +276,8 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
 
 def _imaged_by(hypothesis: Hypothesis) -> set[frozenset[str]]:
     """The sets of effects of which a hypothesis with images may be the image."""
-    sets: set[frozenset[str]] = {frozenset()}
-    for term in hypothesis.terms:
-        instead = term.effect.image_of if term.is_an_image else (term.effect.id,)
-        sets = {names | {name} for names in sets for name in instead}
-    return sets
+    instead = (term.effect.image_of if term.is_an_image else (term.effect.id,) for term in hypothesis.terms)
+    return {frozenset(names) for names in itertools.product(*instead)}
 
 
 def _either_of_two(

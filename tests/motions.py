@@ -1,4 +1,4 @@
-"""Input motions and error measures for the tests of the models."""
+"""Input motions and error measures."""
 
 from __future__ import annotations
 
@@ -22,6 +22,13 @@ def through(points: Sequence[float], samples: int) -> Floats:
     """Straight motion through ``points`` with so many samples from each to the next."""
     steps = np.arange(samples) / samples
     return np.concatenate([*(a + (b - a) * steps for a, b in pairwise(points)), points[-1:]])
+
+
+def swelling(size: int = 3500, interval: float = 0.01) -> tuple[Floats, Floats]:
+    """Time and deflection of two tones from rest, of which the slower swells and fades, each of shape (n,)."""
+    time = np.arange(size) * interval
+    x = np.sin(2 * np.pi * 0.31 * time) * (0.55 + 0.35 * np.sin(2 * np.pi * 0.047 * time))
+    return time, (x + 0.2 * np.sin(2 * np.pi * 0.83 * time)) * (1.0 - np.exp(-time / 0.5))
 
 
 def nrmse(found: Floats, wanted: Floats) -> float:

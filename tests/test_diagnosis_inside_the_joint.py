@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from joints import sliders
+from motions import swelling
 from numpy.typing import NDArray
 from scipy.signal import lfilter, lsim
 
@@ -39,13 +40,7 @@ def joint(x: Floats) -> Floats:
     return spring(x) + friction(x)
 
 
-def motion(size: int = 3500) -> tuple[Floats, Floats]:
-    time = np.arange(size) * STEP
-    x = np.sin(2 * np.pi * 0.31 * time) * (0.55 + 0.35 * np.sin(2 * np.pi * 0.047 * time))
-    return time, (x + 0.2 * np.sin(2 * np.pi * 0.83 * time)) * (1.0 - np.exp(-time / 0.5))
-
-
-TIME, X = motion()
+TIME, X = swelling()
 SPEED = np.gradient(X, TIME)
 TRAVEL = np.cumsum(np.abs(np.diff(X, prepend=X[0])))
 SIGN = np.tanh(SPEED / 0.02)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from joints import clearance, sliders, through_a_clearance
+from motions import swelling
 from numpy.typing import NDArray
 
 from hystbench.diagnosis import registry
@@ -28,15 +29,9 @@ def joint(x: Floats) -> Floats:
     return 4.0 * x + 0.6 * x**3 + sliders(x, ((6.0, 0.12), (2.0, 0.15), (0.8, 0.16)))
 
 
-def motion(size: int = 3500) -> tuple[Floats, Floats]:
-    time = np.arange(size) * 0.01
-    x = np.sin(2 * np.pi * 0.31 * time) * (0.55 + 0.35 * np.sin(2 * np.pi * 0.047 * time))
-    return time, (x + 0.2 * np.sin(2 * np.pi * 0.83 * time)) * (1.0 - np.exp(-time / 0.5))
-
-
 def diagnosed(measured: Floats, y_real: Floats, exclude: tuple[str, ...] = ()) -> Diagnosis:
     rng = np.random.default_rng(5)
-    time, _ = motion(measured.size)
+    time, _ = swelling(measured.size)
     seen = measured + 1e-4 * REACH * rng.standard_normal(measured.size)
     noise = NOISE * rng.standard_normal(measured.size)
     return diagnose(Signals(time, seen, y_real + noise, joint(seen), [slice(0, seen.size)], {}), exclude=exclude)
@@ -46,13 +41,13 @@ def diagnosed(measured: Floats, y_real: Floats, exclude: tuple[str, ...] = ()) -
 
 
 def test_an_encoder_that_was_zeroed_at_home_has_no_offset_besides() -> None:
-    _, x = motion()
+    _, x = swelling()
     found = diagnosed(x + 0.02 * (np.sin(6.0 * x + 0.9) - np.sin(0.9)), joint(x))
     assert found.verdict == ["encoder_eccentricity"]
 
 
 def test_an_encoder_error_with_an_offset_is_both() -> None:
-    _, x = motion()
+    _, x = swelling()
     found = diagnosed(x + 0.02 * (np.sin(6.0 * x + 0.9) - np.sin(0.9)) + 0.03, joint(x))
     assert set(found.verdict) == {"encoder_eccentricity", "deflection_offset"}
 
@@ -62,7 +57,7 @@ def test_an_encoder_error_with_an_offset_is_both() -> None:
     [("viscous_friction", "damping", 0.08), ("coulomb_friction", "friction", 0.12), ("inertia", "inertia", 0.008)],
 )
 def test_what_the_simulator_has_too_much_of_is_named_with_a_minus(effect: str, parameter: str, size: float) -> None:
-    time, x = motion()
+    time, x = swelling()
     speed = np.gradient(x, time)
     law = {
         "viscous_friction": speed,
@@ -81,14 +76,14 @@ def test_what_the_simulator_has_too_much_of_is_named_with_a_minus(effect: str, p
 
 
 def test_dry_friction_whose_sign_turns_slowly_needs_no_excess_at_rest() -> None:
-    time, x = motion()
+    time, x = swelling()
     speed = np.gradient(x, time)
     regularised = 2.0 / np.pi * np.arctan(speed / (0.08 * np.std(speed)))
     assert diagnosed(x, joint(x) + 0.15 * regularised).verdict == ["coulomb_friction"]
 
 
 def test_sides_whose_torque_is_off_in_opposite_ways_are_one_asymmetry() -> None:
-    _, x = motion()
+    _, x = swelling()
     y = joint(x)
     assert diagnosed(x, y + 0.06 * np.abs(y)).verdict == ["stiffness_asymmetry"]
 
@@ -99,7 +94,7 @@ ELEMENTS = ((6.0, 0.12), (2.0, 0.15), (0.8, 0.16))
 @pytest.mark.parametrize("width", [0.05, 0.15, 0.3])
 @pytest.mark.parametrize("tones", [1, 3])
 def test_a_clearance_in_series_is_crossed_where_the_torque_is_nil(width: float, tones: int) -> None:
-    time, x = motion()
+    time, x = swelling()
     if tones == 1:
         x = 0.8 * np.sin(2 * np.pi * 0.4 * time)
     sim = 4.0 * x + sliders(x, ELEMENTS)
@@ -112,7 +107,7 @@ def test_a_clearance_in_series_is_crossed_where_the_torque_is_nil(width: float, 
 
 @pytest.mark.parametrize("spread", [0.5, 0.9])
 def test_flanks_that_yield_are_a_clearance(spread: float) -> None:
-    _, x = motion()
+    _, x = swelling()
     halves = 0.04 * (1.0 + spread * np.linspace(-1.0, 1.0, 41))
     # Each of many flanks is met in its turn: plays by their definition.
     place = np.zeros_like(halves)
@@ -127,7 +122,7 @@ def test_flanks_that_yield_are_a_clearance(spread: float) -> None:
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_stop_that_loses_energy_is_a_stop(side: float) -> None:
-    time, x = motion()
+    time, x = swelling()
     depth = np.maximum(side * x - 0.55, 0.0)
     force = 6.0 * depth + np.where(depth > 0.0, 0.25 * side * np.gradient(x, time), 0.0)
     found = diagnosed(x, joint(x) + side * np.maximum(force, 0.0))
@@ -135,7 +130,7 @@ def test_a_stop_that_loses_energy_is_a_stop(side: float) -> None:
 
 
 def test_friction_with_a_bristle_of_its_own_dynamics_is_stribeck() -> None:
-    time, x = motion()
+    time, x = swelling()
     speed, friction, z = np.gradient(x, time), np.zeros_like(x), 0.0
     for i in range(1, x.size):
         for _ in range(20):
@@ -147,7 +142,7 @@ def test_friction_with_a_bristle_of_its_own_dynamics_is_stribeck() -> None:
 
 
 def test_a_mass_behind_a_shaft_is_inertia() -> None:
-    time, x = motion()
+    time, x = swelling()
     acceleration = np.gradient(np.gradient(x, time), time)
     late = np.interp(time - 0.012, time, acceleration)
     found = diagnosed(x, joint(x) + 0.03 * late)
@@ -177,7 +172,7 @@ def loose(x: Floats, half: float, inertia: float = 4e-4, flank: float = 120.0, s
 
 
 def test_a_loose_load_that_hits_its_flanks_is_backlash() -> None:
-    _, x = motion(2500)
+    _, x = swelling(2500)
     found = diagnosed(x, joint(x) + loose(x, 0.02) - loose(x, 0.0))
     assert found.verdict == ["backlash"]
     (report,) = [e for e in found.effects if e.name == "backlash"]
@@ -185,20 +180,20 @@ def test_a_loose_load_that_hits_its_flanks_is_backlash() -> None:
 
 
 def test_a_gain_is_told_from_a_simulator_of_coarser_structure() -> None:
-    _, x = motion()
+    _, x = swelling()
     coarse = joint(x) + 0.4 * (1.0 - np.exp(-np.abs(x))) * 0.01
     found = diagnosed(x, 1.04 * coarse)
     assert found.verdict == ["torque_gain"]
 
 
 def test_a_hum_is_no_noise_even_where_it_is_as_fast_as_the_sampling_allows() -> None:
-    time, x = motion()
+    time, x = swelling()
     found = diagnosed(x, joint(x) + 0.05 * np.sin(2.0 * np.pi * 8.3 * time))
     assert found.verdict == ["unknown"]
 
 
 def test_what_excluded_effects_leave_is_never_called_no_gap() -> None:
-    _, x = motion()
+    _, x = swelling()
     found = diagnosed(x + 0.04, joint(x), exclude=("deflection_offset", "torque_offset"))
     assert found.verdict != []
 
@@ -207,7 +202,7 @@ def test_what_excluded_effects_leave_is_never_called_no_gap() -> None:
     ("effect", "image"), [("viscous_friction", "stress relaxation"), ("stiffness_asymmetry", "encoder eccentricity")]
 )
 def test_an_effect_at_the_end_of_its_range_is_not_named_for_one_that_is_excluded(effect: str, image: str) -> None:
-    time, x = motion()
+    time, x = swelling()
     law = {"viscous_friction": 0.05 * np.gradient(x, time), "stiffness_asymmetry": 0.2 * np.maximum(x, 0.0)}[effect]
     found = diagnosed(x, joint(x) + law, exclude=(effect,))
     assert found.verdict == ["unknown"]
@@ -221,7 +216,7 @@ def test_a_wave_much_longer_than_the_stroke_is_an_offset_of_the_deflection(phase
     def hard(x: Floats) -> Floats:
         return joint(x) + 0.9 * x**3
 
-    time, x = motion()
+    time, x = swelling()
     y_real = hard(x + 0.05 * np.cos(0.5 * x + phase)) + 0.036 * np.random.default_rng(1).standard_normal(x.size)
     signals = Signals(time, x, y_real, hard(x), [slice(0, x.size)], {})
     assert diagnose(signals).verdict == ["deflection_offset"]
@@ -232,7 +227,7 @@ def test_a_wave_much_longer_than_the_stroke_is_an_offset_of_the_deflection(phase
 
 @pytest.mark.parametrize("step", [0.15, 0.3])
 def test_a_coarse_torque_sensor_is_no_noise_and_its_step_is_told(step: float) -> None:
-    _, x = motion()
+    _, x = swelling()
     found = diagnosed(x, step * np.round(joint(x) / step))
     assert found.verdict == ["unknown"]
     assert f"steps of {found.choice.torque_step:.3g} N·m" in sentence(found)
@@ -242,7 +237,7 @@ def test_a_coarse_torque_sensor_is_no_noise_and_its_step_is_told(step: float) ->
 
 @pytest.mark.parametrize("make", [lambda x: joint(x), lambda x: np.round(joint(x), 3)])
 def test_a_fine_sensor_has_no_steps(make: Callable[[Floats], Floats]) -> None:
-    time, x = motion()
+    time, x = swelling()
     y = make(x) + NOISE * np.random.default_rng(0).standard_normal(x.size)
     assert torque_step(Signals(time, x, y, joint(x), [slice(0, x.size)], {})) == 0.0
 
@@ -251,7 +246,7 @@ def test_a_fine_sensor_has_no_steps(make: Callable[[Floats], Floats]) -> None:
 
 
 def test_a_torque_sensor_whose_zero_and_span_drift_is_one_effect() -> None:
-    time, x = motion()
+    time, x = swelling()
     warm = 1.0 - np.exp(-time / 12.0)
     found = diagnosed(x, joint(x) * (1.0 - 0.04 * warm) + 0.08 * warm)
     assert found.verdict == ["thermal_drift"]
@@ -261,7 +256,7 @@ def test_a_torque_sensor_whose_zero_and_span_drift_is_one_effect() -> None:
 
 
 def test_a_free_load_stays_in_its_clearance_and_a_stiff_one_stays_where_it_was_left() -> None:
-    time, x = motion()
+    time, x = swelling()
     torque, speed = joint(x), np.gradient(x, time)
     for frequency in (30.0, 300.0, 1e6):
         gap, free, hit = free_flight(time, x, speed, torque, 0.03, frequency)
@@ -274,6 +269,6 @@ def test_a_free_load_stays_in_its_clearance_and_a_stiff_one_stays_where_it_was_l
 
 
 def test_a_bristle_that_yields_at_one_level_is_dahls() -> None:
-    _, x = motion()
+    _, x = swelling()
     np.testing.assert_allclose(yielding(x, np.ones_like(x), 0.02), bristle(x, 0.02), atol=1e-12)
     assert np.max(np.abs(yielding(x, np.full_like(x, 2.0), 0.02))) <= 2.0

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from joints import sliders
+from motions import swelling
 from numpy.typing import NDArray
 
 from hystbench.diagnosis import registry
@@ -25,9 +26,7 @@ def joint(x: Floats) -> Floats:
 
 
 def motion(size: int, seconds: float = 40.0) -> tuple[Floats, Floats]:
-    time = np.arange(size) * (seconds / size)
-    x = np.sin(2 * np.pi * 0.31 * time) * (0.55 + 0.35 * np.sin(2 * np.pi * 0.047 * time))
-    return time, (x + 0.2 * np.sin(2 * np.pi * 0.83 * time)) * (1.0 - np.exp(-time / 0.5))
+    return swelling(size, seconds / size)
 
 
 def signals(time: Floats, x: Floats, y_real: Floats, y_sim: Floats | None = None) -> Signals:

@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 import pytest
 from joints import clearance, dahl, sliders
+from motions import swelling
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from hystbench import datasets, models
 from hystbench.bench.cells import fitted_on
@@ -93,9 +93,7 @@ def test_friction_is_not_named_for_what_a_simulator_that_is_off_explains_by_itse
     def joint(x: Floats, friction: float, presliding: float, exponent: float, stiffness: float, cubic: float) -> Floats:
         return dahl(x, friction, presliding, exponent) + stiffness * x + cubic * x**3
 
-    time = np.arange(3000) * 0.01
-    x = np.sin(2 * np.pi * 0.31 * time) * (0.55 + 0.35 * np.sin(2 * np.pi * 0.047 * time))
-    x = (x + 0.2 * np.sin(2 * np.pi * 0.83 * time)) * (1.0 - np.exp(-time / 0.5))
+    time, x = swelling(3000)
     y_real = joint(x, 2.61, 0.04, 1.6, 3.0, 1.96)
     y_sim = joint(1.037 * x, 2.61 * 0.959, 0.04 * 0.963, 1.6 * 1.05, 3.0 * 0.957, 1.96 * 1.031)
     found = diagnose(signals_of(time, x, y_real, y_sim, noise_level=0.007))
@@ -107,11 +105,8 @@ def test_a_gain_beside_relaxation_is_no_simulator_that_is_off() -> None:
     time, x = rich_motion()
     y_sim = spring(x)
 
-    def relaxed(constant: float) -> Floats:
-        decay = np.exp(-0.01 / constant)
-        return np.asarray(lfilter([1.0 - decay], [1.0, -decay], y_sim))
-
-    y_real = 0.784 * y_sim - 0.08 * (0.6 * relaxed(0.18) + 0.4 * relaxed(0.72))
+    fast, slow = (_relaxing_branch(time, y_sim, constant) for constant in (0.18, 0.72))
+    y_real = 0.704 * y_sim + 0.048 * fast + 0.032 * slow
     found = diagnose(signals_of(time, x, y_real, y_sim))
     assert set(found.verdict) == {"torque_gain", "stress_relaxation"}
 
