@@ -164,7 +164,10 @@ def _checked_emulator(given: Any) -> dict[str, Any]:
         raise InputError(f"parameter base lacks {', '.join(missing)}")
     arrays = {name: parameter_array(name, given[name], (None,)).tolist() for name in ARRAYS}
     numbers = {name: parameter_number(name, given[name]) for name in NUMBERS}
-    return arrays | numbers | {"further": _checked_further(given.get("further", {}))}
+    begun = given.get("begun", False)
+    if not isinstance(begun, bool):
+        raise InputError(f"parameter begun must be true or false; it is {begun!r}")
+    return arrays | numbers | {"begun": begun, "further": _checked_further(given.get("further", {}))}
 
 
 def _checked_further(given: Any) -> dict[str, Any]:

@@ -6,7 +6,7 @@ that is not good enough what simulators are made of besides (see :mod:`hystbench
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import cached_property
 from typing import Any
 
@@ -40,6 +40,9 @@ PLACES = 4
 """Ways in which an element's torque may depend on where it is."""
 STEEPNESS = (0.02, 0.08, 0.3)
 DEGREE = 5
+ELSEWHERE, CLOSER = 0.001, 0.97
+"""Place where a run begins, over the reach, from which it is asked whether memory begins there too, and how much of the error must
+be left of one that begins at zero."""
 FEW = 3000
 """Samples that are enough to tell derivatives apart."""
 GOOD_ENOUGH = 0.01
@@ -54,7 +57,18 @@ class Generalised:
         self.reach = max(float(np.max(np.abs(signals.x))), 1e-300)
         self.lengths = np.geomspace(0.01, 0.4, BRISTLES) * self.reach
         self.fast = max(float(np.std(signals.speed)), 1e-300)
-        self.motion, self.derivatives = motion_of(signals), SMOOTH
+        self._find(begun=False)
+        starts = max(abs(float(signals.x[run][0])) for run in signals.runs)
+        if self.error > EMULATED and starts > ELSEWHERE * self.reach:
+            from_zero = vars(self).copy()
+            self._find(begun=True)
+            if self.error >= CLOSER * from_zero["error"]:
+                vars(self).update(from_zero)
+
+    def _find(self, begun: bool) -> None:
+        """Identify all, of a simulator whose memory begins where each run does or at zero."""
+        motion = motion_of(self.signals)
+        self.begun, self.motion, self.derivatives = begun, motion.begun() if begun else motion, SMOOTH
         # Weights of one sign; what lags behind its input, as a piezo stage does, turns the other way round.
         self._identify(1.0, ELEMENTS, {})
         if self.error > GOOD_ENOUGH or np.any(self.rates):
@@ -68,27 +82,33 @@ class Generalised:
     def _grow_by_derivatives(self) -> None:
         """Identify all anew with the derivatives of the motion that the simulator takes, where its friction tells them."""
         if not self.signals.timed:
-            self._grow()
+            self._grow(KINDS)
             return
         start = vars(self).copy()
         motions = {name: self.motion.differenced(name) for name in (SMOOTH, *DIFFERENCES)}
-        beside = np.hstack(self._parts(self.thresholds)[:2])
-        left = {name: self._left_by_speed(motion, beside) for name, motion in motions.items()}
-        other = min(DIFFERENCES, key=left.__getitem__)
-        first = other if left[other] < CLEARLY * left[SMOOTH] else SMOOTH
+        left = {name: self._left_by_speed(motion) for name, motion in motions.items()}
+        others = sorted(DIFFERENCES, key=left.__getitem__)
+        first = others[0] if left[others[0]] < CLEARLY * left[SMOOTH] else SMOOTH
         self.derivatives, self.motion = first, motions[first]
-        self._grow()
-        if BY_SPEED in self.further and first == SMOOTH:
-            # It is sharp enough to tell from which speed it was made.
-            smooth = vars(self).copy()
+        self._grow(KINDS)
+        by_speed = [name for name, kind in KINDS.items() if kind.by_speed]
+        if first != SMOOTH or not set(by_speed).intersection(self.further):
+            return
+        for other in others:
+            if self.error <= EMULATED:
+                break
+            best = vars(self).copy()
             vars(self).update(start, derivatives=other, motion=motions[other])
-            self._grow()
-            if self.error >= smooth["error"]:
-                vars(self).update(smooth)
+            self._grow(by_speed)
+            if self.error >= best["error"]:
+                vars(self).update(best)
 
-    def _grow(self) -> None:
-        """Identify all anew with as many stops and with the further elements that are needed."""
-        elements, further = self._enlarged()
+    def _grow(self, placing: Collection[str]) -> None:
+        """Identify all anew with as many stops and with the further elements that are needed.
+
+        Of the kinds that are moved to their places those in ``placing`` are tried.
+        """
+        elements, further = self._enlarged(placing)
         if elements > ELEMENTS or further or self.derivatives != SMOOTH:
             self._identify(self.sign, elements, further)
         for _ in range(PLACINGS):
@@ -136,7 +156,7 @@ class Generalised:
             if np.any(weights)
         }
 
-    def _enlarged(self) -> tuple[int, dict[str, Floats]]:
+    def _enlarged(self, placing: Collection[str]) -> tuple[int, dict[str, Floats]]:
         """How many stops, and the sizes of which further elements, are needed."""
         signals = self.signals
         elastic, stops, placed_stops = self._parts(_thresholds(self.reach, FINER))
@@ -146,7 +166,7 @@ class Generalised:
         growing = [STOPS, *sizes]
         few = np.concatenate([np.arange(0, FINER, _spacing(FINER)), np.arange(FINER, stops.shape[1])])
         beside = np.hstack([elastic, stops[:, few], self._rates()])
-        movable = {name: kind for name, kind in kinds.items() if kind.limits}
+        movable = {name: kind for name, kind in kinds.items() if kind.limits and name in placing}
         moved = placed(movable, extent, self.motion, beside, signals.y_sim)
         sizes |= moved
         some = spread(signals.x.size)
@@ -181,12 +201,13 @@ class Generalised:
         most = 0.04 * self.reach
         return np.clip(sizes + np.clip(step, -most, most)[:, None], -self.reach, self.reach)
 
-    def _left_by_speed(self, motion: Motion, beside: Floats) -> float:
-        """What friction that knows the speed of ``motion`` leaves ``beside`` others' columns (n, any), N·m."""
+    def _left_by_speed(self, motion: Motion) -> float:
+        """What friction that knows the speed of ``motion`` leaves beside the elements in any case, N·m."""
         some, kind = spread(self.signals.x.size, FEW), KINDS[BY_SPEED]
         rates = _rates(motion.speed, motion.acceleration, self.fast)
         friction = kind.columns(motion, kind.sizes(self._extent))
-        columns = np.hstack([part[some] for part in (beside, rates, friction)])
+        beside = self._parts(self.thresholds, motion)[:2]
+        columns = np.hstack([part[some] for part in (*beside, rates, friction)])
         columns /= np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
         basis, sizes, _ = np.linalg.svd(columns, full_matrices=False)
         basis = basis[:, sizes > 1e-4 * sizes[0]]
@@ -207,14 +228,15 @@ class Generalised:
         return {
             "reach": self.reach, "thresholds": self.thresholds, "lengths": self.lengths, "elastic": self.elastic,
             "placed": self.placed, "weights": self.weights, "rates": self.rates, "fast": self.fast,
-            "further": self.further, "derivatives": self.derivatives,
+            "further": self.further, "derivatives": self.derivatives, "begun": self.begun,
         }  # fmt: skip
 
-    def _parts(self, thresholds: Floats) -> tuple[Floats, Floats, Floats]:
+    def _parts(self, thresholds: Floats, motion: Motion | None = None) -> tuple[Floats, Floats, Floats]:
         """Columns of the elastic curve, of the elements with memory, and of stops weighed by position."""
-        elements, u = _elements(self.motion, thresholds, self.lengths), _place(self.motion.x, self.reach)
+        motion = motion or self.motion
+        elements, u = _elements(motion, thresholds, self.lengths), _place(motion.x, self.reach)
         placed = elements[:, : thresholds.size][:, _placed(thresholds.size)]
-        return _elastic(self.motion.x, self.reach), elements, np.hstack([placed * w[:, None] for w in _weights(u)])
+        return _elastic(motion.x, self.reach), elements, np.hstack([placed * w[:, None] for w in _weights(u)])
 
     def predict(self, x: Floats) -> Floats:
         signals = self.signals
@@ -294,7 +316,7 @@ def _elastic(x: Floats, reach: float) -> Floats:
 
 def _elements(motion: Motion, thresholds: Floats, lengths: Floats) -> Floats:
     """Stops and then bristles, shape (n, thresholds + lengths)."""
-    stops = motion.x[:, None] - np.concatenate([plays(motion.x[run], thresholds) for run in motion.runs])
+    stops = motion.path[:, None] - np.concatenate([plays(motion.path[run], thresholds) for run in motion.runs])
     bristles = [length * motion.from_rest(bristle, length=length) for length in lengths]
     return np.column_stack([stops, *bristles])
 
@@ -328,8 +350,8 @@ def _rates(speed: Floats, acceleration: Floats, fast: float) -> Floats:
 def predict_generalised(parameters: Mapping[str, Any], motion: Motion) -> Floats:
     """Output of the built-in emulator, N·m, shape (n,), from the virgin state in each run."""
     motion = _as_seen(parameters, motion)
-    x, weights = motion.x, np.asarray(parameters["weights"])
-    u = _place(x, parameters["reach"])
+    path, weights = motion.path, np.asarray(parameters["weights"])
+    u = _place(motion.x, parameters["reach"])
     thresholds, lengths = np.asarray(parameters["thresholds"]), np.asarray(parameters["lengths"])
     placed = np.zeros((PLACES, thresholds.size))
     placed[:, _placed(thresholds.size)] = np.reshape(parameters["placed"], (PLACES, -1))
@@ -339,7 +361,7 @@ def predict_generalised(parameters: Mapping[str, Any], motion: Motion) -> Floats
     stopping, bristling = (stops != 0.0) | np.any(placed != 0.0, axis=0), signs != 0.0
     thresholds, stops, placed = thresholds[stopping], stops[stopping], np.ascontiguousarray(placed[:, stopping])
     lengths, signs = lengths[bristling], signs[bristling]
-    y += np.concatenate([weighed(x[run], u[run], thresholds, stops, placed, lengths, signs) for run in motion.runs])
+    y += np.concatenate([weighed(path[run], u[run], thresholds, stops, placed, lengths, signs) for run in motion.runs])
     y += torque_of(parameters.get("further", {}), motion)
     if np.any(parameters["rates"]):
         y += _rates(motion.speed, motion.acceleration, float(parameters["fast"])) @ parameters["rates"]
@@ -347,7 +369,8 @@ def predict_generalised(parameters: Mapping[str, Any], motion: Motion) -> Floats
 
 
 def _as_seen(parameters: Mapping[str, Any], motion: Motion) -> Motion:
-    """The motion with the derivatives that the simulator takes."""
+    """The motion with the derivatives that the simulator takes, from where its memory begins."""
+    motion = motion.begun() if parameters.get("begun", False) else motion
     return motion.differenced(str(parameters.get("derivatives", SMOOTH)))
 
 

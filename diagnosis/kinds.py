@@ -55,6 +55,8 @@ class Kind:
         from, which are not fine enough to be taken as they are.
     later : sequence of int
         Which sizes stay where they are until all elements are there: with all at once the way there is easily lost.
+    by_speed : bool
+        Whether it knows the speed, sharply enough to tell how that was made of the deflection.
     """
 
     part: str
@@ -66,6 +68,7 @@ class Kind:
     together: Callable[[Motion, Floats, Floats], Floats] | None = None
     limits: Callable[[Extent], Floats] | None = None
     later: Sequence[int] = ()
+    by_speed: bool = False
 
     def torque(self, motion: Motion, sizes: Floats, weights: Floats) -> Floats:
         """Torque of all elements of these sizes and weights, N·m, shape (n,)."""
@@ -104,10 +107,15 @@ def _rubber(motion: Motion, length: float) -> Floats:
     return length * motion.from_rest(hyperbolic, length=length)
 
 
-def _stribeck(motion: Motion, length: float, pace: float, excess: float) -> Floats:
-    """A LuGre element that yields at a level which falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1."""
+def _stribeck(motion: Motion, length: float, pace: float, excess: float, damping: float = 0.0) -> Floats:
+    """A LuGre element that yields at a level which falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1.
+
+    Its bristles resist their own speed by ``damping`` (s) times their stiffness.
+    """
     level = 1.0 + excess * np.exp(-np.square(motion.speed / pace))
-    return length * motion.from_rest(yielding, level, length=length)
+    bristle = motion.from_rest(yielding, level, length=length)
+    bending = motion.speed - np.abs(motion.speed) * bristle / level
+    return length * bristle + damping * bending
 
 
 def _by_speed(motion: Motion, pace: float, corner: float, ahead: float) -> Floats:
@@ -130,18 +138,18 @@ def _lag(motion: Motion, constant: float) -> Floats:
 def _plays(motion: Motion, half_widths: Floats) -> tuple[Floats, NDArray[np.intp]]:
     """Plays (n, k) of the different ones of so many half widths, and which of them each is."""
     different, which = np.unique(half_widths, return_inverse=True)
-    return np.concatenate([plays(motion.x[run], different) for run in motion.runs]), which
+    return np.concatenate([plays(motion.path[run], different) for run in motion.runs]), which
 
 
 def _stops(motion: Motion, sizes: Floats) -> Floats:
     played, which = _plays(motion, sizes[:, 0])
-    return np.asarray(motion.x[:, None] - played[:, which])
+    return np.asarray(motion.path[:, None] - played[:, which])
 
 
 def _lagging(motion: Motion, sizes: Floats) -> Floats:
     """What stops change by when each lags behind by a time constant."""
     played, which = _plays(motion, sizes[:, 0])
-    stops = motion.x[:, None] - played
+    stops = motion.path[:, None] - played
     columns = np.empty((motion.x.size, len(sizes)))
     for k, constant in enumerate(sizes[:, 1]):
         stop = stops[:, which[k]]
@@ -156,7 +164,7 @@ def _lagging_together(motion: Motion, sizes: Floats, weights: Floats) -> Floats:
     total = np.zeros(motion.x.size)
     for constant in np.unique(sizes[:, 1]):
         shared = np.bincount(which, weights * (sizes[:, 1] == constant), played.shape[1])
-        stop = motion.x * shared.sum() - played @ shared
+        stop = motion.path * shared.sum() - played @ shared
         for run in motion.runs:
             total[run] += lowpass(motion.time[run], stop[run], constant) - stop[run]
     return total
@@ -273,14 +281,15 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         MEMORY, True,
         _stribeck_sizes,
         _by_row(_stribeck),
+        by_speed=True,
     ),
     "a few Stribeck sliders": Kind(
         MEMORY, True,
-        _stribeck_sizes,
+        lambda extent: np.insert(_stribeck_sizes(extent), 3, 0.03 * extent.interval, axis=1),
         _by_row(_stribeck),
-        limits=lambda extent: np.array([
-            [0.001 * extent.reach, 0.003 * extent.fast, 0.02], [extent.reach, 5.0 * extent.fast, 6.0],
-        ]),
+        limits=lambda extent: extent.sticky * [[0.001, 0.003, 0.02, 0.003], [1.0, 5.0, 6.0, 30.0]],
+        later=(3,),
+        by_speed=True,
     ),
     # Joints of an engine for rigid bodies (MuJoCo and its like) have mass, damping and dry friction that creeps.
     "a few sliders with mass": Kind(
@@ -320,6 +329,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         _by_row(_by_speed),
         {0: (0.0, np.inf), 1: (0.0, np.inf)},
         limits=lambda extent: extent.rigid * [[1e-4, 0.05, 1e-3], [3.0, 50.0, 50.0]],
+        by_speed=True,
     ),
     "relaxation": Kind(
         RATE, False,

@@ -20,11 +20,14 @@ def _backward(series: Floats, time: Floats) -> Floats:
     return slope
 
 
+SUMMED = "central, summed up"
 DIFFERENCES: Mapping[str, Callable[[Floats, Floats], Floats]] = MappingProxyType({
     "central": np.gradient,
     "backward": _backward,
+    SUMMED: np.gradient,
 })  # fmt: skip
-"""Derivatives of a series by time that simulators take which do not filter."""
+"""Derivatives of a series by time that simulators take which do not filter; memory may sum the speeds up instead of looking at the
+deflection."""
 
 
 @dataclass(frozen=True)
@@ -36,31 +39,53 @@ class Motion:
     speed: Floats
     acceleration: Floats
     runs: Sequence[slice]
+    summed: Floats | None = None
+    """The deflection as the simulator's memory knows it, where it differs."""
+
+    @property
+    def path(self) -> Floats:
+        """The deflection as what has memory knows it, shape (n,)."""
+        return self.x if self.summed is None else self.summed
 
     def at(self, samples: NDArray[np.intp]) -> Motion:
         """The motion at some samples (k,) only, the first one of each run among them."""
         edges = [np.searchsorted(samples, (run.start, run.stop)) for run in self.runs]
         runs = [slice(int(a), int(b)) for a, b in edges]
-        return Motion(self.time[samples], self.x[samples], self.speed[samples], self.acceleration[samples], runs)
+        summed = None if self.summed is None else self.summed[samples]
+        return Motion(
+            self.time[samples], self.x[samples], self.speed[samples], self.acceleration[samples], runs, summed
+        )
 
     def differenced(self, derivatives: str) -> Motion:
-        """The motion with its derivatives as a simulator takes them: ``"central"`` or ``"backward"`` differences, or these."""
+        """The motion with its derivatives as a simulator takes them, one of ``DIFFERENCES``; of any other name with these."""
         if derivatives not in DIFFERENCES:
             return self
         speed, acceleration = np.empty_like(self.x), np.empty_like(self.x)
         for run in self.runs:
             for series, of in ((speed, self.x), (acceleration, speed)):
                 series[run] = DIFFERENCES[derivatives](of[run], self.time[run])
-        return replace(self, speed=speed, acceleration=acceleration)
+        seen = replace(self, speed=speed, acceleration=acceleration)
+        return seen._summed_up() if derivatives == SUMMED else seen
+
+    def _summed_up(self) -> Motion:
+        """The motion for memory that sums the speeds up, as explicit simulators of friction do."""
+        summed = self.path.copy()
+        for run in self.runs:
+            summed[run][1:] = summed[run][0] + np.cumsum(self.speed[run][1:] * np.diff(self.time[run]))
+        return replace(self, summed=summed)
+
+    def begun(self) -> Motion:
+        """The motion for memory that knows nothing of the way to where each run begins."""
+        return replace(self, summed=np.concatenate([self.path[run] - self.path[run][0] for run in self.runs]))
 
     def from_rest(self, answer: Callable[..., Floats], *others: Floats, **sizes: float) -> Floats:
         """What an operator of given ``sizes`` answers, shape (n,), where each run comes from zero to where it begins.
 
-        It is asked for the deflection and ``others`` (n,) along it.
+        It is asked for the path and ``others`` (n,) along it.
         """
         answers = []
         for run in self.runs:
-            given = [np.concatenate([[0.0], self.x[run]])] + [np.concatenate([o[run][:1], o[run]]) for o in others]
+            given = [np.concatenate([[0.0], self.path[run]])] + [np.concatenate([o[run][:1], o[run]]) for o in others]
             answers.append(answer(*given, **sizes)[1:])
         return np.concatenate(answers)
 
@@ -88,6 +113,11 @@ class Extent:
     def rigid(self) -> Floats:
         """The same of friction that knows the speed alone: rad/s, 1, s; shape (3,)."""
         return np.array([self.fast, 1.0, self.interval])
+
+    @property
+    def sticky(self) -> Floats:
+        """The same of a slider that holds better at rest: rad, rad/s, 1, s; shape (4,)."""
+        return np.array([self.reach, self.fast, 1.0, self.interval])
 
     @property
     def dashed(self) -> Floats:

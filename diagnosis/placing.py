@@ -57,10 +57,11 @@ def placed(
     goal = beyond(target[rows, None])[:, 0] / (max(float(np.std(target)), 1e-300) * np.sqrt(len(others)))
 
     def maker_of(kind: Kind) -> _Maker:
-        # What does not know time needs only the turns of the motion.
-        made = (
-            (lambda sizes: kind.columns(motion, sizes)[rows]) if kind.timed else functools.partial(kind.columns, thin)
-        )
+        def all_along(sizes: Floats) -> Floats:
+            return kind.columns(motion, sizes)[rows]
+
+        # What knows neither time nor speed needs only the turns of the motion.
+        made = all_along if kind.timed or kind.by_speed else functools.partial(kind.columns, thin)
         return _Maker(kind, extent, lambda sizes: beyond(made(sizes)), goal)
 
     better: dict[str, Floats] = {}
@@ -83,7 +84,7 @@ def _rows(motion: Motion) -> NDArray[np.intp]:
     rows = []
     for run in motion.runs:
         for start in range(run.start, run.stop, block):
-            part = motion.x[start : min(start + block, run.stop)]
+            part = motion.path[start : min(start + block, run.stop)]
             rows += [start + int(np.argmin(part)), start + int(np.argmax(part))]
         rows.append(run.start)
     return np.unique(rows)

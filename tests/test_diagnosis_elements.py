@@ -85,6 +85,28 @@ def stribeck(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 3.0 * (1.0 - e) * x + out
 
 
+def damped_bristles(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """LuGre whose bristles are damped, in small steps."""
+    finely = np.arange(0.0, x.size - 1 + 1e-9, 1 / 40)
+    speed = np.interp(finely, np.arange(x.size), np.gradient(x, time))
+    z, out = 0.0, np.zeros(finely.size)
+    for i, v in enumerate(speed):
+        rate = v - 60.0 * abs(v) / (1.0 + 0.5 * np.exp(-((v / 0.2) ** 2))) / (1.0 + e) * z
+        out[i] = 60.0 * z + 0.9 * (1.0 - e) * rate
+        z += INTERVAL / 40 * rate
+    return 3.0 * (1.0 - e) * x + out[::40]
+
+
+def bristles_by_the_sample(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """LuGre of a speed made from the samples on both sides, a step each."""
+    z, out = 0.0, np.zeros(x.size)
+    for i, v in enumerate(np.gradient(x, time)):
+        settled = (1.0 + 0.5 * np.exp(-((v / 0.2) ** 2))) * (1.0 + e) / 60.0
+        z = settled * np.sign(v) + (z - settled * np.sign(v)) * np.exp(-abs(v) / settled * INTERVAL)
+        out[i] = 60.0 * z
+    return 3.0 * (1.0 - e) * x + out
+
+
 def viscoelastic(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     branches = np.zeros(x.size)
     for constant in (0.3, 2.0, 9.0):
@@ -230,6 +252,8 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "rubber": (rubber, 0.005),
     "smooth yielding": (smooth_yielding, 0.001),
     "Stribeck": (stribeck, 0.01),
+    "damped bristles": (damped_bristles, 0.003),
+    "bristles by the sample": (bristles_by_the_sample, 0.003),
     "viscoelastic": (viscoelastic, 0.02),
     "saturating": (saturating, 0.02),
     "heavy": (heavy, 0.002),
@@ -282,6 +306,29 @@ def test_corners_that_yield_a_little_elsewhere_are_no_spikes_in_the_torque() -> 
     assert found.choice.features["gap"] < 3.0
     assert found.verdict == []
     assert not any("stand out" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("begun", [False, True])
+def test_memory_begins_at_zero_or_where_the_run_does(begun: bool) -> None:
+    def joint(x: Floats) -> Floats:
+        """Sliders at rest at zero, from where they come to the first sample, or there."""
+        way = x - x[0] if begun else np.concatenate([np.linspace(0.0, x[0], 50), x])
+        return 3.0 * x + sliders(way, ((6.0, 1.2), (4.0, 1.6)))[-x.size :]
+
+    time, x = motion(60.0, 0.0, 1.0, 2.0)
+    x = x + 0.35
+    found = Generalised(Signals(time, x, joint(x), joint(x), [slice(0, x.size)], {}))
+    wanted = joint(0.8 * x)
+    first = slice(0, 100)
+    # Until the motion turns, nothing else tells where the sliders began.
+    assert np.std(found.anew(0.8 * x)[first] - wanted[first]) < 0.002 * np.std(wanted)
+    base = {"model": "generalised", "parameters": json.loads(json.dumps(found.parameters(), default=np.ndarray.tolist))}
+    kept = CorrectedSimulator.from_parameters(interval=INTERVAL, base=base, effects=[])
+    for predicted in (found.predict(x), kept.predict(x)):
+        assert np.max(np.abs(predicted - joint(x))) < 0.005 * np.std(joint(x))
+    base["parameters"]["begun"] = "where it does"
+    with pytest.raises(InputError, match="begun must be true or false"):
+        CorrectedSimulator.from_parameters(interval=INTERVAL, base=base, effects=[])
 
 
 def test_joint_of_an_engine_behind_a_servo_is_followed_to_a_thousandth() -> None:

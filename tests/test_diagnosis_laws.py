@@ -82,6 +82,13 @@ def test_dry_friction_whose_sign_turns_slowly_needs_no_excess_at_rest() -> None:
     assert diagnosed(x, joint(x) + 0.15 * regularised).verdict == ["coulomb_friction"]
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_spring_that_hardens_on_one_side_is_an_asymmetry_of_an_exact_simulator(side: float) -> None:
+    _, x = swelling()
+    y = joint(x)
+    assert diagnosed(x, y + 0.5 * x * np.maximum(side * x, 0.0)).verdict == ["stiffness_asymmetry"]
+
+
 def test_sides_whose_torque_is_off_in_opposite_ways_are_one_asymmetry() -> None:
     _, x = swelling()
     y = joint(x)

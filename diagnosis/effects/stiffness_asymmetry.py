@@ -28,6 +28,16 @@ def _quadratic(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.square(scene.signals.smooth_x)[:, None]
 
 
+def _growing(side: float) -> Columns:
+    """A spring that hardens on one side only."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        x = scene.signals.smooth_x
+        return (x * np.maximum(side * x, 0.0))[:, None]
+
+    return columns
+
+
 def _sided(side: float, part: Callable[[Scene], Floats]) -> Columns:
     """A part of the torque on one side (±1), or of opposite sign on both (0)."""
 
@@ -65,13 +75,19 @@ class StiffnessAsymmetry(Effect):
     title: ClassVar[str] = "stiffness asymmetry"
     summary: ClassVar[str] = "stiffer on one side than on the other (unequal springs, one-sided contact)"
     equation: ClassVar[str] = (
-        "y += k max(±x, 0), k |x| (sharp or rounded), k2 x², g y_sim or its elastic part on one side or of opposite sign "
+        "y += k max(±x, 0), k |x| (sharp or rounded), k2 x² (also on one side), g y_sim or its elastic part on one side or of opposite sign "
         "on both, or x → x + s max(±x, 0)"
     )
     coordinate: ClassVar[str] = "position"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("extra_stiffness", "N·m/rad", -np.inf, np.inf, "added on one side"),
-        Parameter("extra_stiffness_slope", "N·m/rad²", -np.inf, np.inf, "k2, of a stiffness that grows across zero"),
+        Parameter(
+            "extra_stiffness_slope",
+            "N·m/rad²",
+            -np.inf,
+            np.inf,
+            "k2, of a stiffness that grows across zero or from there on",
+        ),
         Parameter(
             "extra_stretch", "1", -0.6, 1.5, "s, relative difference of one side's stiffness at the same strength"
         ),
@@ -98,7 +114,11 @@ class StiffnessAsymmetry(Effect):
             Form(
                 "quadratic", ("extra_stiffness_slope",), _quadratic, *free, equation="y += extra_stiffness_slope * x**2"
             ),
-        ]
+            Form("quadratic, upper side", ("extra_stiffness_slope",), _growing(1.0), *free,
+                 equation="y += extra_stiffness_slope * x * maximum(x, 0)"),
+            Form("quadratic, lower side", ("extra_stiffness_slope",), _growing(-1.0), *free,
+                 equation="y += extra_stiffness_slope * x * maximum(-x, 0)"),
+        ]  # fmt: skip
         for what, part, name, bounds in (
             ("spring", Part("x", lambda scene: scene.signals.smooth_x), "extra_stiffness", free),
             ("torque", Part("y", lambda scene: scene.torque), "extra_gain", gain),
