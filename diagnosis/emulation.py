@@ -134,7 +134,8 @@ class SimulatorScene:
 
 def emulate(signals: Signals, model: Any | None) -> Emulator:
     """Identify the emulator; ``model`` is the simulator itself where it is at hand."""
-    own = Generalised(signals)
+    # A model at hand answers for its memory itself.
+    own = Generalised(signals, anywhere=model is None)
     if model is not None:
         return _of_model(model, signals, *own.tangent(), own.parameters())
     best = Emulator(

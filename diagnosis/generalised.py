@@ -50,16 +50,19 @@ GOOD_ENOUGH = 0.01
 
 
 class Generalised:
-    """Elastic polynomial, stop operators, rate terms and further elements, identified by non-negative least squares."""
+    """Elastic polynomial, stop operators, rate terms and further elements, identified by non-negative least squares.
 
-    def __init__(self, signals: Signals) -> None:
+    Memory begins at zero, or, where ``anywhere`` and that is closer, where each run does.
+    """
+
+    def __init__(self, signals: Signals, anywhere: bool = True) -> None:
         self.signals = signals
         self.reach = max(float(np.max(np.abs(signals.x))), 1e-300)
         self.lengths = np.geomspace(0.01, 0.4, BRISTLES) * self.reach
         self.fast = max(float(np.std(signals.speed)), 1e-300)
         self._find(begun=False)
         starts = max(abs(float(signals.x[run][0])) for run in signals.runs)
-        if self.error > EMULATED and starts > ELSEWHERE * self.reach:
+        if anywhere and self.error > EMULATED and starts > ELSEWHERE * self.reach:
             from_zero = vars(self).copy()
             self._find(begun=True)
             if self.error >= CLOSER * from_zero["error"]:
@@ -166,7 +169,9 @@ class Generalised:
         growing = [STOPS, *sizes]
         few = np.concatenate([np.arange(0, FINER, _spacing(FINER)), np.arange(FINER, stops.shape[1])])
         beside = np.hstack([elastic, stops[:, few], self._rates()])
-        movable = {name: kind for name, kind in kinds.items() if kind.limits and name in placing}
+        # Without a clock there is no telling at which speed anything gives way.
+        placeable = [name for name in placing if signals.timed or not KINDS[name].by_speed]
+        movable = {name: kind for name, kind in kinds.items() if kind.limits and name in placeable}
         moved = placed(movable, extent, self.motion, beside, signals.y_sim)
         sizes |= moved
         some = spread(signals.x.size)

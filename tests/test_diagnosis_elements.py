@@ -415,7 +415,14 @@ def test_kinks_belong_to_the_spring_and_have_no_torque_at_rest() -> None:
     assert bent[[0, 3]] / 0.5 == pytest.approx(bent[[1, 2]] / 0.3 + 7.0 * 0.28 / 0.5, rel=0.1)
 
 
-@pytest.mark.parametrize(("joint", "kind"), [(damper, "a few sliders behind dashpots"), (lagging, "lagging stops")])
+@pytest.mark.parametrize(
+    ("joint", "kind"),
+    [
+        (damper, "a few sliders behind dashpots"),
+        (lagging, "lagging stops"),
+        (damped_bristles, "a few Stribeck sliders"),
+    ],
+)
 def test_without_a_clock_nothing_is_said_of_how_long_things_take(joint: Joint, kind: str) -> None:
     signals = recorded(joint)
     assert kind in Generalised(signals).further
