@@ -39,21 +39,21 @@ class Motion:
     speed: Floats
     acceleration: Floats
     runs: Sequence[slice]
-    summed: Floats | None = None
+    course: Floats | None = None
     """The deflection as the simulator's memory knows it, where it differs."""
 
     @property
     def path(self) -> Floats:
         """The deflection as what has memory knows it, shape (n,)."""
-        return self.x if self.summed is None else self.summed
+        return self.x if self.course is None else self.course
 
     def at(self, samples: NDArray[np.intp]) -> Motion:
         """The motion at some samples (k,) only, the first one of each run among them."""
         edges = [np.searchsorted(samples, (run.start, run.stop)) for run in self.runs]
         runs = [slice(int(a), int(b)) for a, b in edges]
-        summed = None if self.summed is None else self.summed[samples]
+        course = None if self.course is None else self.course[samples]
         return Motion(
-            self.time[samples], self.x[samples], self.speed[samples], self.acceleration[samples], runs, summed
+            self.time[samples], self.x[samples], self.speed[samples], self.acceleration[samples], runs, course
         )
 
     def differenced(self, derivatives: str) -> Motion:
@@ -72,11 +72,11 @@ class Motion:
         summed = self.path.copy()
         for run in self.runs:
             summed[run][1:] = summed[run][0] + np.cumsum(self.speed[run][1:] * np.diff(self.time[run]))
-        return replace(self, summed=summed)
+        return replace(self, course=summed)
 
     def begun(self) -> Motion:
         """The motion for memory that knows nothing of the way to where each run begins."""
-        return replace(self, summed=np.concatenate([self.path[run] - self.path[run][0] for run in self.runs]))
+        return replace(self, course=np.concatenate([self.path[run] - self.path[run][0] for run in self.runs]))
 
     def from_rest(self, answer: Callable[..., Floats], *others: Floats, **sizes: float) -> Floats:
         """What an operator of given ``sizes`` answers, shape (n,), where each run comes from zero to where it begins.
