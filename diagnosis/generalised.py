@@ -6,7 +6,8 @@ that is not good enough what simulators are made of besides (see :mod:`hystbench
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+import functools
+from collections.abc import Callable, Collection, Mapping
 from functools import cached_property
 from typing import Any
 
@@ -63,10 +64,14 @@ class Generalised:
         self._find(begun=False)
         starts = max(abs(float(signals.x[run][0])) for run in signals.runs)
         if anywhere and self.error > EMULATED and starts > ELSEWHERE * self.reach:
-            from_zero = vars(self).copy()
-            self._find(begun=True)
-            if self.error >= CLOSER * from_zero["error"]:
-                vars(self).update(from_zero)
+            self._take_if_closer(lambda: self._find(begun=True), CLOSER)
+
+    def _take_if_closer(self, identify: Callable[[], None], share: float = 1.0) -> None:
+        """``identify`` anew, which is undone unless less than this share of the error is left."""
+        before = vars(self).copy()
+        identify()
+        if self.error >= share * before["error"]:
+            vars(self).update(before)
 
     def _find(self, begun: bool) -> None:
         """Identify all, of a simulator whose memory begins where each run does or at zero."""
@@ -75,10 +80,7 @@ class Generalised:
         # Weights of one sign; what lags behind its input, as a piezo stage does, turns the other way round.
         self._identify(1.0, ELEMENTS, {})
         if self.error > GOOD_ENOUGH or np.any(self.rates):
-            first = vars(self).copy()
-            self._identify(-1.0, ELEMENTS, {})
-            if self.error >= first["error"]:
-                vars(self).update(first)
+            self._take_if_closer(lambda: self._identify(-1.0, ELEMENTS, {}))
         if self.error > EMULATED:
             self._grow_by_derivatives()
 
@@ -89,7 +91,8 @@ class Generalised:
             return
         start = vars(self).copy()
         motions = {name: self.motion.differenced(name) for name in (SMOOTH, *DIFFERENCES)}
-        left = {name: self._left_by_speed(motion) for name, motion in motions.items()}
+        elements = _elements(self.motion, self.thresholds, self.lengths)
+        left = {name: self._left_by_speed(motion, elements) for name, motion in motions.items()}
         others = sorted(DIFFERENCES, key=left.__getitem__)
         first = others[0] if left[others[0]] < CLEARLY * left[SMOOTH] else SMOOTH
         self.derivatives, self.motion = first, motions[first]
@@ -97,14 +100,14 @@ class Generalised:
         by_speed = [name for name, kind in KINDS.items() if kind.by_speed]
         if first != SMOOTH or not set(by_speed).intersection(self.further):
             return
-        for other in others:
-            if self.error <= EMULATED:
-                break
-            best = vars(self).copy()
-            vars(self).update(start, derivatives=other, motion=motions[other])
+
+        def grow_with(derivatives: str) -> None:
+            vars(self).update(start, derivatives=derivatives, motion=motions[derivatives])
             self._grow(by_speed)
-            if self.error >= best["error"]:
-                vars(self).update(best)
+
+        for other in others:
+            if self.error > EMULATED:
+                self._take_if_closer(functools.partial(grow_with, other))
 
     def _grow(self, placing: Collection[str]) -> None:
         """Identify all anew with as many stops and with the further elements that are needed.
@@ -169,9 +172,10 @@ class Generalised:
         growing = [STOPS, *sizes]
         few = np.concatenate([np.arange(0, FINER, _spacing(FINER)), np.arange(FINER, stops.shape[1])])
         beside = np.hstack([elastic, stops[:, few], self._rates()])
-        # Without a clock there is no telling at which speed anything gives way.
-        placeable = [name for name in placing if signals.timed or not KINDS[name].by_speed]
-        movable = {name: kind for name, kind in kinds.items() if kind.limits and name in placeable}
+        movable = {name: kind for name, kind in kinds.items() if kind.limits and name in placing}
+        if not signals.timed:
+            # There is no telling at which speed anything gives way.
+            movable = {name: kind for name, kind in movable.items() if not kind.by_speed}
         moved = placed(movable, extent, self.motion, beside, signals.y_sim)
         sizes |= moved
         some = spread(signals.x.size)
@@ -206,13 +210,18 @@ class Generalised:
         most = 0.04 * self.reach
         return np.clip(sizes + np.clip(step, -most, most)[:, None], -self.reach, self.reach)
 
-    def _left_by_speed(self, motion: Motion) -> float:
-        """What friction that knows the speed of ``motion`` leaves beside the elements in any case, N·m."""
+    def _left_by_speed(self, motion: Motion, elements: Floats) -> float:
+        """What friction that knows the speed of ``motion`` leaves beside the elements in any case, N·m.
+
+        These are ``elements`` (n, any) wherever memory knows the deflection as it does in this one's motion.
+        """
+        if motion.path is not self.motion.path:
+            elements = _elements(motion, self.thresholds, self.lengths)
         some, kind = spread(self.signals.x.size, FEW), KINDS[BY_SPEED]
         rates = _rates(motion.speed, motion.acceleration, self.fast)
         friction = kind.columns(motion, kind.sizes(self._extent))
-        beside = self._parts(self.thresholds, motion)[:2]
-        columns = np.hstack([part[some] for part in (*beside, rates, friction)])
+        elastic = _elastic(motion.x, self.reach)
+        columns = np.hstack([part[some] for part in (elastic, elements, rates, friction)])
         columns /= np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
         basis, sizes, _ = np.linalg.svd(columns, full_matrices=False)
         basis = basis[:, sizes > 1e-4 * sizes[0]]
@@ -236,12 +245,11 @@ class Generalised:
             "further": self.further, "derivatives": self.derivatives, "begun": self.begun,
         }  # fmt: skip
 
-    def _parts(self, thresholds: Floats, motion: Motion | None = None) -> tuple[Floats, Floats, Floats]:
+    def _parts(self, thresholds: Floats) -> tuple[Floats, Floats, Floats]:
         """Columns of the elastic curve, of the elements with memory, and of stops weighed by position."""
-        motion = motion or self.motion
-        elements, u = _elements(motion, thresholds, self.lengths), _place(motion.x, self.reach)
+        elements, u = _elements(self.motion, thresholds, self.lengths), _place(self.motion.x, self.reach)
         placed = elements[:, : thresholds.size][:, _placed(thresholds.size)]
-        return _elastic(motion.x, self.reach), elements, np.hstack([placed * w[:, None] for w in _weights(u)])
+        return _elastic(self.motion.x, self.reach), elements, np.hstack([placed * w[:, None] for w in _weights(u)])
 
     def predict(self, x: Floats) -> Floats:
         signals = self.signals

@@ -28,14 +28,9 @@ def _quadratic(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.square(scene.signals.smooth_x)[:, None]
 
 
-def _growing(side: float) -> Columns:
-    """A spring that hardens on one side only."""
-
-    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        x = scene.signals.smooth_x
-        return (x * np.maximum(side * x, 0.0))[:, None]
-
-    return columns
+def _hardening(scene: Scene) -> Floats:
+    """A spring without stiffness at zero that hardens both ways, rad²."""
+    return scene.signals.smooth_x * np.abs(scene.signals.smooth_x)
 
 
 def _sided(side: float, part: Callable[[Scene], Floats]) -> Columns:
@@ -114,9 +109,9 @@ class StiffnessAsymmetry(Effect):
             Form(
                 "quadratic", ("extra_stiffness_slope",), _quadratic, *free, equation="y += extra_stiffness_slope * x**2"
             ),
-            Form("quadratic, upper side", ("extra_stiffness_slope",), _growing(1.0), *free,
+            Form("quadratic, upper side", ("extra_stiffness_slope",), _sided(1.0, _hardening), *free,
                  equation="y += extra_stiffness_slope * x * maximum(x, 0)"),
-            Form("quadratic, lower side", ("extra_stiffness_slope",), _growing(-1.0), *free,
+            Form("quadratic, lower side", ("extra_stiffness_slope",), _sided(-1.0, _hardening), *free,
                  equation="y += extra_stiffness_slope * x * maximum(-x, 0)"),
         ]  # fmt: skip
         for what, part, name, bounds in (
