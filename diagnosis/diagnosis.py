@@ -254,6 +254,8 @@ def diagnose(
     notes += [
         f"{term.effect.title} would explain it at the end of its range ({term.form.name}), where another effect begins, one "
         "that is not known here"
+        if term.is_an_image
+        else f"{term.effect.title} would explain it, but on this joint another effect that is not known here would look the same"
         for term in choice.images
     ]
     if choice.factor:

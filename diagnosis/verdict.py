@@ -105,7 +105,7 @@ class Choice:
     spikes: float = 0.0
     """Share of the samples that stand out and make up the gap; 0 otherwise."""
     images: Sequence[Term] = ()
-    """Laws that explain the gap only where they are images of another effect."""
+    """Laws that explain the gap but are images of another effect that is not known here."""
     factor: float = 0.0
     """Relative error of all that the simulator says which alone makes the gap, where no effect known here does that; 0 otherwise."""
 
@@ -113,7 +113,7 @@ class Choice:
 def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     """Weigh the hypotheses (the empty one first) and state the verdict."""
     choice = _chosen(evidence, found)
-    if choice.images:
+    if any(term.is_an_image for term in choice.images):
         # What a law at the end of its range is the image of may be known, and explain the gap itself.
         again = _chosen(evidence, [_without_image(h) for h in found if not h.images])
         if again.verdict != [UNKNOWN] and again.hypothesis.names in _imaged_by(choice.hypothesis):
@@ -247,7 +247,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     ):
         verdict = [UNKNOWN]
     elif not evidence.fitted:
-        images = best.images
+        images = best.images or _imitations(found, best)
         factor = _one_factor(evidence, found, energy) if verdict == [MISCALIBRATION] else 0.0
         verdict = [UNKNOWN] if images or factor else verdict
     stated = confidence(CONFIDENCE, verdict, features)
@@ -272,6 +272,16 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
         posterior, odds, list(field.ranked), recalibration_rivals(evidence, verdict, best, own, found, tempered), tempered,
         step, frequency, standing_out, images, factor,
     )  # fmt: skip
+
+
+def _imitations(found: Sequence[Hypothesis], best: Hypothesis) -> list[Term]:
+    """Those of its terms that add no less what another effect would, where none of these is known here to compete."""
+    known = set().union(*(hypothesis.names for hypothesis in found))
+    return [
+        term
+        for term in best.terms
+        if known.isdisjoint(term.effect.image_of) and term.effect.imitates(best.part(term.effect.id))
+    ]
 
 
 def _imaged_by(hypothesis: Hypothesis) -> set[frozenset[str]]:

@@ -218,6 +218,29 @@ def test_an_effect_at_the_end_of_its_range_is_not_named_for_one_that_is_excluded
     assert diagnosed(x, joint(x) + law).verdict == [effect]
 
 
+@pytest.mark.parametrize(
+    ("hardening", "effect", "exclude", "verdict"),
+    [
+        (0.0, "torque_offset", ("torque_offset",), ["unknown"]),
+        (0.0, "torque_offset", (), ["torque_offset"]),
+        (1.5, "deflection_offset", ("torque_offset",), ["deflection_offset"]),
+    ],
+)
+def test_on_a_linear_spring_an_offset_of_the_deflection_is_not_named_for_one_of_the_torque_that_is_excluded(
+    hardening: float, effect: str, exclude: tuple[str, ...], verdict: list[str]
+) -> None:
+    def sprung(x: Floats) -> Floats:
+        return 4.0 * x + hardening * x**3 + sliders(x, ((6.0, 0.12), (2.0, 0.15), (0.8, 0.16)))
+
+    time, x = swelling()
+    y_real = sprung(x) + 0.12 if effect == "torque_offset" else sprung(x + 0.04)
+    y_real = y_real + NOISE * np.random.default_rng(1).standard_normal(x.size)
+    found = diagnose(Signals(time, x, y_real, sprung(x), [slice(0, x.size)], {}), exclude=exclude)
+    assert found.verdict == verdict
+    told = [note for note in found.notes if note.startswith("deflection offset would explain it, but on this joint")]
+    assert len(told) == (verdict == ["unknown"])
+
+
 @pytest.mark.parametrize("phase", [0.6, -0.6])
 def test_a_wave_much_longer_than_the_stroke_is_an_offset_of_the_deflection(phase: float) -> None:
     def hard(x: Floats) -> Floats:

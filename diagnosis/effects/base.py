@@ -187,10 +187,14 @@ class Effect:
     contains: ClassVar[tuple[str, ...]] = ()
     """Simpler effects that are special cases: where they do nearly as well, they are named instead."""
     image_of: ClassVar[tuple[str, ...]] = ()
-    """Effects of which its laws are images where their shapes run to a border: where they explain the gap, they are named."""
+    """Effects of which its laws are images where their shapes run to a border, or where it imitates them."""
 
     def is_degenerate(self, parameters: dict[str, float], scene: Scene) -> bool:
         """Whether the fitted parameters make this effect a simpler one, on the recording of ``scene``."""
+        return False
+
+    def imitates(self, signal: Floats) -> bool:
+        """Whether what it adds, ``signal`` (n,), N·m, is no less what those of which it may be the image would add."""
         return False
 
     def forms(self, scene: Scene) -> list[Form]:

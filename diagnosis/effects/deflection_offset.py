@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+import numpy as np
+
 from .base import INPUT, SETTLING, Effect, Floats, Form, Parameter, Scene, settled, settling_limits, settling_start
 
 __all__ = ["DeflectionOffset"]
+
+UNIFORM = 0.1
+"""Deviation of what it adds over the mean, up to which it is no less an offset of the torque."""
 
 
 def _columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -38,6 +43,11 @@ class DeflectionOffset(Effect):
         *SETTLING,
     )
     confused_with: ClassVar[tuple[str, ...]] = ("torque_offset", "stiffness_asymmetry")
+    # On a linear spring they are the same.
+    image_of: ClassVar[tuple[str, ...]] = ("torque_offset",)
+
+    def imitates(self, signal: Floats) -> bool:
+        return float(np.std(signal)) < UNIFORM * abs(float(np.mean(signal)))
 
     def forms(self, scene: Scene) -> list[Form]:
         reach = scene.signals.reach
