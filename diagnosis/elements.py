@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .kinds import ELASTIC, KINDS, MEMORY, Kind
+from .kinds import ELASTIC, KINDS, MEMORY, RATE, Kind
 from .motion import Motion
 from .operators import rms
 
@@ -17,6 +17,8 @@ __all__ = ["Further", "kinks_moved", "stronger_of", "tangents", "torque_of", "un
 Floats = NDArray[np.float64]
 Further = Mapping[str, Mapping[str, Any]]
 """By kind: ``sizes`` (k, m) and ``weights`` (k,) of its elements."""
+DRY = 0.3
+"""Speed, over its standard deviation, at which friction by speed saturates at the latest."""
 MOVED = 0.04
 """Relative error of where a kink is or a slider yields."""
 
@@ -36,6 +38,10 @@ def stronger_of(further: Further, motion: Motion) -> Floats:
     for kind, sizes, weights in _made(further):
         if kind.part == MEMORY:
             total += _stretched(kind, motion, sizes) @ weights
+        elif kind.part == RATE and kind.by_speed:
+            # Friction that knows the speed alone has no stiffness; what grows up to the usual speeds is a damper.
+            dry = sizes[:, 0] < DRY * float(np.std(motion.speed))
+            total += kind.torque(motion, sizes[dry], weights[dry]) if np.any(dry) else 0.0
     return total
 
 

@@ -400,7 +400,9 @@ def strength_of(parameters: Mapping[str, Any], motion: Motion) -> Floats:
     thresholds, lengths, weights = (np.asarray(parameters[name]) for name in ("thresholds", "lengths", "weights"))
     motion = _as_seen(parameters, motion)
     further = stronger_of(parameters.get("further", {}), motion)
-    return np.asarray(_stronger(motion, thresholds, lengths) @ weights + further)
+    rates = _rates(motion.speed, motion.acceleration, float(parameters["fast"]))[:, -len(STEEPNESS) :]
+    dry = rates @ np.asarray(parameters["rates"])[-len(STEEPNESS) :]
+    return np.asarray(_stronger(motion, thresholds, lengths) @ weights + further + dry)
 
 
 def _stronger(motion: Motion, thresholds: Floats, lengths: Floats) -> Floats:

@@ -131,6 +131,14 @@ def _by_speed(motion: Motion, pace: float, corner: float, ahead: float) -> Float
     return np.asarray(0.5 * corner * (beyond - before))
 
 
+def _by_speed_and_side(motion: Motion, pace: float, ahead: float, width: float) -> Floats:
+    """A sign of the speed that is smooth over ``pace`` (rad/s) and turns earlier on the way back from either side.
+
+    By ``ahead`` of that, smooth over ``width`` (rad) about the middle.
+    """
+    return np.asarray(np.tanh(motion.speed / pace + ahead * np.tanh(motion.x / width)))
+
+
 def _lag(motion: Motion, constant: float) -> Floats:
     return np.concatenate([lowpass(motion.time[run], motion.x[run], constant) - motion.x[run] for run in motion.runs])
 
@@ -329,6 +337,15 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         _by_row(_by_speed),
         {0: (0.0, np.inf), 1: (0.0, np.inf)},
         limits=lambda extent: extent.rigid * [[1e-4, 0.05, 1e-3], [3.0, 50.0, 50.0]],
+        by_speed=True,
+    ),
+    # Dampers of magnetorheological fluid by a formula without memory: Kwok et al. (Smart Mater. Struct. 15, 2006).
+    "friction by speed and side": Kind(
+        RATE, False,
+        lambda extent: extent.sided * _with(np.geomspace(0.03, 1.0, 6), *itertools.product((0.3, 1.5), (0.03, 0.3))),
+        _by_row(_by_speed_and_side),
+        {0: (0.0, np.inf), 2: (0.0, np.inf)},
+        limits=lambda extent: extent.sided * [[0.003, 0.01, 0.003], [5.0, 20.0, 3.0]],
         by_speed=True,
     ),
     "relaxation": Kind(

@@ -115,6 +115,11 @@ class Extent:
         return np.array([self.fast, 1.0, self.interval])
 
     @property
+    def sided(self) -> Floats:
+        """The same of friction that knows the side as well: rad/s, 1, rad; shape (3,)."""
+        return np.array([self.fast, 1.0, self.reach])
+
+    @property
     def sticky(self) -> Floats:
         """The same of a slider that holds better at rest: rad, rad/s, 1, s; shape (4,)."""
         return np.array([self.reach, self.fast, 1.0, self.interval])

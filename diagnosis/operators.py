@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "bristle",
+    "creeping",
     "dashed",
     "hardening",
     "hyperbolic",
@@ -251,6 +252,20 @@ def _leaky(time, x, level, tau, out):
         out[i] = f
 
 
+@njit(cache=True)
+def _creeping(time, x, tau, power, length, out):
+    f, more = 0.0, power - 1.0
+    out[0] = 0.0
+    for i in range(1, x.size):
+        # Stretched by half of the way, let go for the interval, which is exact, and stretched by the rest.
+        half, size = 0.5 * (x[i] - x[i - 1]), 0.0
+        f += half
+        if f != 0.0:
+            size = (abs(f / length) ** -more + more * (time[i] - time[i - 1]) / tau) ** (-1.0 / more) * length
+        f = (size if f > 0.0 else -size) + half
+        out[i] = f
+
+
 def plays(x: Floats, thresholds: Floats) -> Floats:
     """Play operators of half widths ``thresholds`` (N,), each from 0, over ``x`` (n,); shape (n, N)."""
     out = np.empty((x.size, thresholds.size))
@@ -371,6 +386,17 @@ def leaky(time: Floats, x: Floats, level: float, tau: float) -> Floats:
     """
     out = np.empty(x.size)
     _leaky(np.ascontiguousarray(time), np.ascontiguousarray(x), float(level), float(tau), out)
+    return out
+
+
+def creeping(time: Floats, x: Floats, tau: float, power: float, length: float) -> Floats:
+    """Stretch of a spring behind a dashpot whose force goes with the ``power``-th root of its speed, from rest, shape (n,).
+
+    At the stretch ``length`` (rad) it is let go with the time constant ``tau`` (s): Norton's creep (F. H. Norton, The Creep of
+    Steel at High Temperatures, 1929). ``power`` is above one.
+    """
+    out = np.empty(x.size)
+    _creeping(np.ascontiguousarray(time), np.ascontiguousarray(x), float(tau), float(power), float(length), out)
     return out
 
 

@@ -14,8 +14,10 @@ from .evidence import Evidence, Hypothesis, Scale, Term, boxed_least_squares, co
 __all__ = ["Library", "search"]
 
 Floats = NDArray[np.float64]
-ALONE = 18
-"""Laws that are refined alone, at most four of an effect."""
+ALONE, ALIKE = 18, 4
+"""Laws with shapes to move that are refined alone, and how many laws of one effect are."""
+FAR = 0.5
+"""Evidence a sample by which an effect alone may fall behind another for its further laws to be tried."""
 EXACT = 8
 """Laws that are also refined beside an exact simulator, at most two of an effect."""
 INHERITED = 3
@@ -34,6 +36,10 @@ STEPS = 3
 """Replacements of one law by another in a row."""
 AT_FIRST = 0.2
 """The same for a law that only starts where another ended."""
+
+
+_Scored = tuple[float, tuple[int, ...]]
+"""A set of terms by their numbers, with its score."""
 
 
 class Library:
@@ -112,9 +118,7 @@ class Library:
             self._by_scale[scale] = gram[0], moment[0], float(energy[0])
         return self._by_scale[scale]
 
-    def extend(
-        self, base: Sequence[int], scales: Sequence[Scale], only: str | None = None
-    ) -> list[tuple[float, tuple[int, ...]]]:
+    def extend(self, base: Sequence[int], scales: Sequence[Scale], only: str | None = None) -> list[_Scored]:
         """The best set made of ``base`` (term numbers) and one more term, for each law of each further effect.
 
         With ``only``, of that effect. Returns (score, term numbers), in no order.
@@ -177,7 +181,7 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
     best_of_smaller = found[0].score
     beam: list[tuple[tuple[int, ...], Sequence[Scale]]] = [((), evidence.scales)]
     for size in range(1, most + 1):
-        sets: dict[frozenset[str], tuple[float, tuple[int, ...]]] = {}
+        sets: dict[frozenset[str], _Scored] = {}
         for base, scales in beam:
             for score, numbers in library.extend(base, scales):
                 names = frozenset(library.terms[k].effect.id for k in numbers)
@@ -186,18 +190,21 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
                 if names not in sets or score > sets[names][0]:
                     sets[names] = (score, numbers)
         ranked = sorted(sets.values(), key=lambda item: -item[0])
+        count = wide
         if size == 1:
-            # The four best laws of an effect are refined, the others cannot overtake all.
-            ranked = _at_most(ranked, 4, lambda numbers: library.terms[numbers[0]].effect.id)
-        count = wide if size > 1 else ALONE
+            # The best laws of an effect are refined, the others cannot overtake all.
+            ranked, count = _worth_refining(library, ranked)
         refined: dict[frozenset[str], tuple[Hypothesis, tuple[int, ...]]] = {}
+        best_so_far = -np.inf
         for _, numbers in ranked[:count]:
             # Sets grow from refined shapes: these need fewer steps.
             fitted = evidence.refine_anyhow([library.terms[k] for k in numbers], 10 if size == 1 else IN_COMPANY)
-            for better in (
-                fitted,
-                *((*_successors(evidence, fitted), *_siblings(evidence, fitted)) if size == 1 else ()),
-            ):
+            made = [fitted]
+            best_so_far = max(best_so_far, fitted.score)
+            # An effect that explains far less needs another before its law matters.
+            if size == 1 and fitted.score > best_so_far - FAR * evidence.effective:
+                made += [*_successors(evidence, fitted), *_siblings(evidence, fitted)]
+            for better in made:
                 _keep(refined, better, numbers)
                 _note_exact(exact, better)
         if size == 1:
@@ -237,6 +244,15 @@ def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
         if hypothesis.names in exact:
             hypothesis.beside_exact = evidence.fit(exact[hypothesis.names].terms, evidence.exact)
     return found
+
+
+def _worth_refining(library: Library, ranked: Sequence[_Scored]) -> tuple[list[_Scored], int]:
+    """Single laws without those that the best of their effect leave no chance, and how many from the first on are refined."""
+    leading = _at_most(ranked, ALIKE, lambda numbers: library.terms[numbers[0]].effect.id)
+    costly = [item for item in leading if library.terms[item[1][0]].shape]
+    later = costly[ALONE:]
+    first = [item for item in leading if item not in later]
+    return first + later, len(first)
 
 
 def _keep(
@@ -410,9 +426,7 @@ def _other_laws(library: Library, fitted: Hypothesis) -> list[Hypothesis]:
     return made
 
 
-def _at_most(
-    ranked: Sequence[tuple[float, tuple[int, ...]]], count: int, key: Callable[[tuple[int, ...]], str]
-) -> list[tuple[float, tuple[int, ...]]]:
+def _at_most(ranked: Sequence[_Scored], count: int, key: Callable[[tuple[int, ...]], str]) -> list[_Scored]:
     """At most ``count`` of each kind, the order kept."""
     seen: dict[str, int] = {}
     kept = []

@@ -18,7 +18,7 @@ from scipy.signal import savgol_coeffs, savgol_filter
 from ..models.motion import directions, noise_level, turning_points
 from .masses import resonated
 from .noise import FARTHEST, independent, noise_levels
-from .operators import SAME_STEP, bristle, lowpass, plays, rms
+from .operators import SAME_STEP, bristle, creeping, lowpass, plays, rms
 
 __all__ = ["COORDINATES", "Signals", "differentiate"]
 
@@ -261,6 +261,10 @@ class Signals:
     def lowpass(self, signal: Floats, tau: float) -> Floats:
         """First-order lag of ``signal`` (n,), time constant ``tau`` s."""
         return self.per_run(lambda run: lowpass(self.time[run], signal[run], tau))
+
+    def creeping(self, tau: float, power: float) -> Floats:
+        """Stretch of a spring behind a dashpot that yields with a ``power`` of its force, ``tau`` s at the reach, rad."""
+        return self.per_run(lambda run: creeping(self.time[run], self.smooth_x[run], tau, power, self.reach))
 
     def resonated(self, signal: Floats, frequency: float, damping: float) -> Floats:
         """``signal`` (n,) through a resonator of ``frequency`` rad/s and a ``damping`` ratio below one."""

@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 
 from .adequacy import ALMOST_ALL, emulated, forgiven_here, left_by, left_to_noise
 from .calibration import CONFIDENCE, confidence
-from .evidence import FINE, Evidence, Hypothesis, Term, count_unknowns, is_refitted
+from .evidence import Evidence, Hypothesis, Term, count_unknowns, is_refitted
 from .heldout import HeldOut, held_out
 from .hum import hum
 from .names import GAIN, MISCALIBRATION, UNKNOWN
 from .noise import structured_power
 from .operators import rms
 from .parsimony import fewest, hardly_worse, simplest
-from .priors import BESIDE_OFF, IDLE, STANDS_IN, prior
+from .priors import BESIDE_OFF, IDLE, prior
 from .quantisation import torque_step
-from .rivals import TEMPERATURE, effective_share, is_nested, is_poor, recalibration_rivals, weigh
+from .rivals import SAME_BY_EYE, TEMPERATURE, effective_share, is_nested, is_poor, recalibration_rivals, weigh
 from .spikes import OUTLIERS, spikes
 
 __all__ = ["Choice", "choose"]
@@ -28,10 +28,12 @@ __all__ = ["Choice", "choose"]
 Floats = NDArray[np.float64]
 NEEDED = 0.3
 """Evidence a sample by which an effect must be needed beside a simulator that is off by a tenth."""
-BESIDE_ENOUGH = 0.12
+BESIDE_ENOUGH = 0.09
 """The same where that simulator alone leaves no more than an inexact law may."""
 DOUBT = 0.2
 """A cause less probable than this is not named; of those between this and a half most are right, and an honest figure is stated."""
+DOUBT_IN_COMPANY = 0.5
+"""The same of several effects beside a simulator that is off as well: together they can imitate anything."""
 CONSTANTS = 3.0
 """Free constants of a usual law; one with more must bring more."""
 BALANCED = 2.0
@@ -43,9 +45,6 @@ AGAINST_ONE_FACTOR = 20.0
 """Logarithm of the odds against one factor beyond which it is a coincidence in any case."""
 SEVERAL = 0.02
 """Share of the gap's energy that one factor leaves where it is several errors rather than one factor."""
-NO_BETTER = 4.0
-"""Logarithm of the odds, for each constant of its law, up to which an effect beside an exact simulator is no better than a
-simulator that is off: every simulator is, by a little, and its errors are what such an effect would imitate."""
 SMALL = 3.0
 """Gap over noise below which such a share cannot be told."""
 CLEARLY_WORSE = 0.004
@@ -116,9 +115,18 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     if any(term.is_an_image for term in choice.images):
         # What a law at the end of its range is the image of may be known, and explain the gap itself.
         again = _chosen(evidence, [_without_image(h) for h in found if not h.images])
-        if again.verdict != [UNKNOWN] and again.hypothesis.names in _imaged_by(choice.hypothesis):
+        if again.verdict != [UNKNOWN] and (
+            again.hypothesis.names in _imaged_by(choice.hypothesis)
+            or _is_as_good(evidence, again.hypothesis, choice.hypothesis)
+        ):
             return again
     return choice
+
+
+def _is_as_good(evidence: Evidence, one: Hypothesis, other: Hypothesis) -> bool:
+    """Whether some of the same effects, by other laws or beside a simulator that is off, do as well."""
+    near = SAME_BY_EYE * evidence.effective
+    return one.names <= other.names and one.by_scale[one.scale] > other.by_scale[other.scale] - near
 
 
 def _without_image(hypothesis: Hypothesis) -> Hypothesis:
@@ -149,7 +157,6 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     if not simple.terms and not evidence.fitted:
         single = (h for h in ranked if len(h.terms) == 1 and rms(h.signal) > SUBSTANTIAL * size)
         best = next((h for h in single if is_needed(h) and _is_nearer(h, blank)), best)
-    best = _rather_off(evidence, best, found, size)
     refit = _judge_refit(evidence, best, energy)
     if best.terms or refit.miscalibrated:
         other = _as_one_factor(evidence, best, found, energy, size)
@@ -254,10 +261,12 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     if images or factor:
         # Little is left over, which says otherwise that the verdict ought to be another.
         stated = max(stated, IMAGED)
-    if verdict and verdict != [UNKNOWN] and stated < DOUBT and not evidence.fitted:
-        either = _either_of_two(field, best, verdict, features, supported)
-        # Of two the one named is the likelier.
-        verdict, stated = ([UNKNOWN], 1.0 - stated) if either < DOUBT else (verdict, max(stated, 0.5 * either))
+    if verdict and verdict != [UNKNOWN] and not evidence.fitted:
+        crowded = len(verdict) > 2 and MISCALIBRATION in verdict
+        if stated < (DOUBT_IN_COMPANY if crowded else DOUBT):
+            either = 0.0 if crowded else _either_of_two(field, best, verdict, features, supported)
+            # Of two the one named is the likelier.
+            verdict, stated = ([UNKNOWN], 1.0 - stated) if either < DOUBT else (verdict, max(stated, 0.5 * either))
     step = frequency = standing_out = 0.0
     if not verdict:
         step, frequency = torque_step(signals), hum(signals)
@@ -299,26 +308,6 @@ def _either_of_two(
     told = swapped.keys() if len(best.names) > 1 else {max(swapped, key=swapped.__getitem__, default=frozenset())}
     apart = [score for h, score in field.scored() if not is_nested(h, best) and h.names not in told]
     return confidence(CONFIDENCE, verdict, {**features, "margin": supported - max(apart, default=-np.inf)})
-
-
-def _rather_off(evidence: Evidence, best: Hypothesis, found: Sequence[Hypothesis], size: float) -> Hypothesis:
-    """``best``, or the same with a simulator that is off in place of one of its effects where that is no worse."""
-    if evidence.fitted or is_refitted(best.scale):
-        return best
-    own = best.score + prior(evidence, best, size)
-    made = []
-    for term in best.terms:
-        name = term.effect.id
-        rest = next((h for h in found if h.names == best.names - {name}), None)
-        if rest is None or (name in STANDS_IN and (rest.terms or best.scale[0] < FINE)):
-            # Beside others these are charged for it already; one factor on all that an exact simulator says is no error.
-            continue
-        scale = max((s for s in rest.by_scale if is_refitted(s)), key=rest.by_scale.__getitem__)
-        off = replace(evidence.fit(rest.terms, (scale,)), by_scale=rest.by_scale)
-        worse = own - off.score - prior(evidence, off, size)
-        if worse < NO_BETTER * count_unknowns([term]):
-            made.append((worse, off))
-    return min(made, key=lambda pair: pair[0])[1] if made else best
 
 
 def _is_nearer(hypothesis: Hypothesis, blank: Hypothesis) -> bool:
@@ -386,7 +375,9 @@ def _judge_refit(evidence: Evidence, best: Hypothesis, energy: float) -> _Refit:
         together = float(np.mean(np.square((signals.gap - held.signal - held.recalibration)[rows])))
         share = RECALIBRATION_SHARE_POOR if is_poor(signals) else RECALIBRATION_SHARE
         needed = alone - together > max(share * energy, RECALIBRATION_CLEAR * floor**2)
-        off = bool(needed or (is_refitted(best.scale) and gain > RECALIBRATION_WORTH))
+        # Errors of a tenth that would make so little are the law's misfit.
+        likely = is_refitted(best.scale) and not _needs_largest_errors(evidence, best)
+        off = bool(needed or (likely and gain > RECALIBRATION_WORTH))
     else:
         # With no effect at all, what the refit takes is the gap.
         off = is_refitted(best.scale) or energy > floor**2

@@ -230,6 +230,13 @@ def rigid_body(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 4.0 * (1.0 + e) * x + friction + 0.1 * speed + 0.02 * (1.0 + e) * acceleration
 
 
+def two_sided(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Kwok's damper of magnetorheological fluid, whose friction turns earlier on the way back from either side."""
+    speed = np.gradient(x, time)
+    friction = np.tanh(speed / (0.3 * (1.0 + e)) + 0.7 * (1.0 - e) * np.tanh(x / 0.2))
+    return 2.0 * (1.0 + e) * x + 0.4 * speed + (1.0 - e) * friction
+
+
 def lagging(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """Sliders whose torque is told late, each by its own time."""
     out = 3.0 * (1.0 + e) * x
@@ -264,6 +271,7 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "damper": (damper, 0.002),
     "spreadsheet": (spreadsheet, 0.005),
     "rigid body": (rigid_body, 0.002),
+    "two-sided": (two_sided, 0.005),
     "hardly yielding": (hardly_yielding, 0.0003),
     "lagging": (lagging, 0.01),
 }

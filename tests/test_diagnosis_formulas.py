@@ -82,6 +82,14 @@ def words() -> dict[str, Any]:
 
         return followed(u, step, u[0] if start is None else start)
 
+    def creep(x: Floats, T: float, p: float, L: float) -> Floats:
+        def step(f: float, k: int) -> float:
+            for _ in range(fine):
+                f += (x[k] - x[k - 1]) / fine - f / T * abs(f / L) ** (p - 1.0) * (time[k] - time[k - 1]) / fine
+            return f
+
+        return followed(x, step)
+
     def resonator(u: Floats, w: float, d: float) -> Floats:
         speed, substeps = 0.0, 200
 
@@ -102,7 +110,7 @@ def words() -> dict[str, Any]:
         "x": s.x, "v": s.speed, "a": s.acceleration, "t": time, "y": y, "y_spring": spring, "y_memory": memory,
         "y_strength": strength, "travel": np.cumsum(np.abs(dx)), "work": np.cumsum(np.abs(y * dx)),
         "losses": np.maximum.accumulate(np.maximum(np.cumsum(memory * dx), 0.0)), "reversals": s.reversals,
-        "dahl": dahl, "slip": slip, "play": play, "lowpass": lowpass, "resonator": resonator,
+        "dahl": dahl, "slip": slip, "play": play, "lowpass": lowpass, "creep": creep, "resonator": resonator,
         "plays": lambda x, h1, h2: np.mean([play(x, h) for h in np.linspace(h1, h2, 7)], axis=0),
         "heat": lambda u, T: lowpass(np.abs(u), T, 0.0), "late": lambda u, T: np.interp(time - T, time, u),
         "rise": lambda c: c - c[0], **{name: getattr(np, name) for name in NUMPYS},

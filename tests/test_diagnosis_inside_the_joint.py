@@ -42,6 +42,7 @@ def joint(x: Floats) -> Floats:
 
 TIME, X = swelling()
 SPEED = np.gradient(X, TIME)
+ACCELERATION = np.gradient(SPEED, TIME)
 TRAVEL = np.cumsum(np.abs(np.diff(X, prepend=X[0])))
 SIGN = np.tanh(SPEED / 0.02)
 
@@ -75,6 +76,30 @@ def swinging(inertia: float, frequency: float, damping: float) -> Floats:
     return np.asarray(lsim(mass, X, TIME)[1])
 
 
+def creeping(stiffness: float, tau: float, power: float, substeps: int = 20) -> Floats:
+    """A spring behind a dashpot that yields with a power of its load, by small steps."""
+    load, out = 0.0, np.zeros_like(X)
+    for i in range(1, X.size):
+        for _ in range(substeps):
+            load += (X[i] - X[i - 1]) / substeps - load / tau * abs(load) ** (power - 1.0) * STEP / substeps
+        out[i] = stiffness * load
+    return out
+
+
+def creeping_in_series(stiffness: float, tau: float, substeps: int = 4) -> Floats:
+    """The same joint behind a spring and a dashpot side by side, which its torque stretches."""
+    crept, place, force, out = 0.0, 0.0, np.zeros(3), np.zeros_like(X)
+    elastic, limit = (np.array(part) for part in zip(*ELEMENTS, strict=True))
+    for i in range(1, X.size):
+        for k in range(substeps):
+            before, place = place, X[i - 1] + (X[i] - X[i - 1]) * (k + 1) / substeps - crept
+            force = np.clip(force + elastic * (place - before), -limit, limit)
+            torque = 4.0 * place + 0.6 * place**3 + force.sum()
+            crept += STEP / substeps * (torque / stiffness - crept) / tau
+        out[i] = torque
+    return out
+
+
 def rubbed_warm(tau: float) -> Floats:
     """Temperature by friction's losses against cooling, from 0 to about 1."""
     power = np.abs(friction(X) * SPEED)
@@ -106,6 +131,23 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
         "sensor_delay",
         lambda: lfilter([0.4], [1.0, -0.6], np.interp(TIME - 0.02, TIME, joint(X))),
     ),
+    "a linkage": ("inertia", lambda: joint(X) + 0.012 * (1.0 + 0.8 * X) * ACCELERATION + 0.5 * 0.012 * 0.8 * SPEED**2),
+    "a mass that comes along on one side": ("inertia", lambda: joint(X) + 0.015 * (1.0 + 0.9 * X) * ACCELERATION),
+    "a damper with a valve": ("viscous_friction", lambda: joint(X) + np.where(SPEED > 0.0, 0.12, 0.03) * SPEED),
+    "a bore that narrows": ("viscous_friction", lambda: joint(X) + 0.08 * (1.0 + 0.8 * X) * SPEED),
+    "a belt that creeps under load": ("stress_relaxation", lambda: joint(X) + creeping(0.5, 0.4, 2.6)),
+    "teeth that wedge": ("load_dependent_friction", lambda: joint(X) + 0.06 * np.abs(joint(X)) ** 1.6 * SIGN),
+    "a rubber mount": ("stress_relaxation", lambda: creeping_in_series(60.0, 0.8)),
+    "churning oil": ("viscous_friction", lambda: joint(X) + 0.05 * SPEED + 0.02 * SPEED**3),
+    "a bearing that runs harder at one end": ("coulomb_friction", lambda: joint(X) + 0.15 * (1.0 + 0.8 * X) * SIGN),
+    "heat that soaks in": ("thermal_drift", lambda: joint(X) * (1.0 - 0.06 * np.sqrt(TIME / TIME[-1]))),
+    "grease that thins steadily": ("thermal_drift", lambda: spring(X) + friction(X) * (1.0 - 0.4 * TIME / TIME[-1])),
+    "damage that grows": ("cyclic_softening", lambda: joint(X) * (1.0 - 0.08 * (TRAVEL / TRAVEL[-1]) ** 2)),
+    "a spring that wears steadily": ("cyclic_softening", lambda: spring(X) * (1.0 - 0.08 * TRAVEL / TRAVEL[-1]) + friction(X)),
+    "a side that hardens steeply": ("stiffness_asymmetry", lambda: joint(X) + 0.6 * np.maximum(X, 0.0) ** 3),
+    "a disc with three magnets": (
+        "encoder_eccentricity", lambda: joint(X + 0.012 * np.sin(5.0 * X + 0.3) + 0.006 * np.sin(15.0 * X + 1.0))
+    ),
     "a mass on a compliant shaft": ("inertia", lambda: joint(X) + swinging(0.02, 9.0, 0.05)),
     "spring and grease that warm up": (
         "thermal_drift",
@@ -122,6 +164,15 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
 def test_a_law_of_another_hand_is_named(law: str) -> None:
     expected, made = LAWS[law]
     assert diagnosed(made()).verdict == [expected]
+
+
+@pytest.mark.parametrize(
+    "law", ["churning oil", "heat that soaks in", "grease that thins steadily", "a spring that wears steadily"]
+)
+def test_a_law_that_is_known_leaves_nothing(law: str) -> None:
+    found = diagnosed(LAWS[law][1]())
+    assert found.effects[0].adequacy == "adequate"
+    assert found.choice.features["in_sample_left"] < 0.1
 
 
 # ---- the simulator's parts ---------------------------------------------------------------------------------------------
@@ -143,6 +194,21 @@ def test_strength_is_the_change_with_the_level_at_which_friction_slides() -> Non
     found = strength_of(parameters, motion_of(signals(joint(X))))
     assert np.std(found - change) < 0.2 * np.std(change)
     assert spring_of(parameters, np.zeros(3)) == pytest.approx(np.zeros(3), abs=1e-12)
+
+
+@pytest.mark.parametrize("pace", [0.01, 0.05])
+def test_friction_that_knows_the_speed_alone_has_a_strength_and_its_damper_has_none(pace: float) -> None:
+    def rigid(friction: Floats | float) -> Floats:
+        return spring(X) + 0.05 * SPEED + friction * np.tanh(SPEED / pace)
+
+    seen = signals(rigid(0.3), y_sim=rigid(0.3))
+    scene = SimulatorScene(seen, emulate(seen, None))
+    dry = 0.3 * np.tanh(SPEED / pace)
+    assert np.std(scene.strength - dry) < 0.1 * np.std(dry)
+    warm = 1.0 - np.exp(-TIME / 9.0)
+    found = diagnose(signals(rigid(0.3 * (1.0 - 0.5 * warm)), y_sim=rigid(0.3)))
+    assert found.verdict == ["thermal_drift"]
+    assert found.choice.hypothesis.terms[0].form.name == "stiffness, exponential, of the friction's strength"
 
 
 # ---- one factor, or several errors -------------------------------------------------------------------------------------

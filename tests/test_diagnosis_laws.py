@@ -82,6 +82,17 @@ def test_dry_friction_whose_sign_turns_slowly_needs_no_excess_at_rest() -> None:
     assert diagnosed(x, joint(x) + 0.15 * regularised).verdict == ["coulomb_friction"]
 
 
+@pytest.mark.parametrize("transition", [0.02, 0.08])
+def test_friction_that_does_not_fall_with_speed_is_not_stribecks_where_dry_friction_is_excluded(
+    transition: float,
+) -> None:
+    time, x = swelling()
+    speed = np.gradient(x, time)
+    regularised = 2.0 / np.pi * np.arctan(speed / (transition * np.std(speed)))
+    found = diagnosed(x, joint(x) + 0.15 * regularised, exclude=("coulomb_friction",))
+    assert "stribeck_friction" not in found.verdict
+
+
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_a_spring_that_hardens_on_one_side_is_an_asymmetry_of_an_exact_simulator(side: float) -> None:
     _, x = swelling()
@@ -263,6 +274,15 @@ def test_a_coarse_torque_sensor_is_no_noise_and_its_step_is_told(step: float) ->
     assert f"steps of {found.choice.torque_step:.3g} N·m" in sentence(found)
     assert any("steps of" in note for note in found.notes)
     assert found.choice.torque_step == pytest.approx(step, rel=0.01)
+
+
+@pytest.mark.parametrize("levels", [20.0, 28.0])
+def test_steps_on_which_a_slow_torque_stays_long_are_told_beside_the_noise_of_what_follows(levels: float) -> None:
+    # From sample to sample most of their error does not change, so little of it passes for noise.
+    time, x = swelling(14000, 0.0025)
+    step = levels * NOISE
+    y = step * np.round(joint(x) / step) + NOISE * np.random.default_rng(0).standard_normal(x.size)
+    assert torque_step(Signals(time, x, y, joint(x), [slice(0, x.size)], {})) == pytest.approx(step, rel=0.01)
 
 
 @pytest.mark.parametrize("make", [lambda x: joint(x), lambda x: np.round(joint(x), 3)])

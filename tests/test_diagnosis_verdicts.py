@@ -101,6 +101,21 @@ def test_friction_is_not_named_for_what_a_simulator_that_is_off_explains_by_itse
     assert found.verdict == ["miscalibration"]
 
 
+@pytest.mark.parametrize(("seed", "effect"), [(19270, "inertia"), (19368, "viscous_friction")])
+def test_a_wave_longer_than_the_stroke_is_not_asked_for_where_a_simulator_that_is_off_does_as_well(
+    seed: int, effect: str
+) -> None:
+    case, found = developed(seed, *DEVELOPMENT_PLANTS)
+    assert case.effects == (effect,)
+    assert set(found.verdict) - {"miscalibration"} == {effect}
+
+
+def test_several_effects_beside_a_simulator_that_is_off_are_not_named_on_a_doubtful_ground() -> None:
+    case, found = developed(19110, *DEVELOPMENT_PLANTS)
+    assert case.effects == case.excluded == ("stiffness_asymmetry",)
+    assert found.verdict == ["unknown"]
+
+
 def test_a_gain_beside_relaxation_is_no_simulator_that_is_off() -> None:
     time, x = rich_motion()
     y_sim = spring(x)

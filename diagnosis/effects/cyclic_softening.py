@@ -82,7 +82,7 @@ class CyclicSoftening(Effect):
         Parameter(
             "travel_constant", "rad", 0.0, np.inf, "travel after which 63 % (hyperbolic: half) of the loss has come"
         ),
-        Parameter("power", "1", 0.3, 0.95, "p of the travel"),
+        Parameter("power", "1", 0.3, 3.0, "p of the travel, above one for damage that grows"),
         Parameter("work_constant", "J", 0.0, np.inf, "W, of the work ∫|y dx|"),
         Parameter("loss_constant", "J", 0.0, np.inf, "W', of the losses, the work ∮y dx of the part with memory"),
         Parameter("reversals_constant", "1", 0.0, np.inf, "N, half cycles after which 63 % of the loss has come"),
@@ -111,12 +111,15 @@ class CyclicSoftening(Effect):
                         equation=f"y -= softening * {equation} * y")  # fmt: skip
             return [form, *inside(form, _column(worn))]
 
+        linear = Form("linear", ("softening",), _lost(_linear), (0.0,), (1.0 / max(total, 1e-300),),
+                      equation="y -= softening * travel * y")  # fmt: skip
         made = [
-            Form("linear", ("softening",), _lost(_linear), (0.0,), (1.0 / max(total, 1e-300),), equation="y -= softening * travel * y"),
+            linear,
+            *inside(linear, _column(_linear)),
             *law("exponential", "(1 - exp(-travel / travel_constant))", _exponential(_travel), "travel_constant", lengths, limits),
             *law("hyperbolic", "travel / (travel_constant + travel)", _hyperbolic, "travel_constant", lengths, limits),
             *law("logarithm", "log(1 + travel / travel_constant)", _logarithm(_travel), "travel_constant", lengths[1::2], limits),
-            *law("power of travel", "travel**power", _power, "power", [(0.5,), (0.75,)], (0.3, 0.95), np.inf),
+            *law("power of travel", "travel**power", _power, "power", [(0.5,), (0.75,), (1.8,)], (0.3, 3.0), np.inf),
             *law("by work", "(1 - exp(-work / work_constant))", _exponential(_work), "work_constant",
                  [(share * work,) for share in (0.1, 0.4, 1.5)], (0.03 * work, 3.0 * work)),
         ]  # fmt: skip

@@ -6,7 +6,20 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import LOW, NOT, Effect, Floats, Form, Parameter, Scene, geometric, overdone
+from .base import (
+    LOW,
+    NOT,
+    Effect,
+    Floats,
+    Form,
+    Parameter,
+    Scene,
+    at_either_end,
+    between_ends,
+    geometric,
+    overdone,
+    stroke,
+)
 
 __all__ = ["Inertia"]
 
@@ -16,6 +29,16 @@ AT_REST = 0.1
 
 def _columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return scene.signals.acceleration[:, None]
+
+
+def _by_position(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return np.column_stack([share * scene.signals.acceleration for share in at_either_end(scene)])
+
+
+def _of_mechanism(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    # Lagrange: J a + J' v² / 2, and J' is the difference of the ends over the stroke.
+    turned = 0.25 * np.square(scene.signals.speed) / stroke(scene)
+    return _by_position(scene, shape) + np.column_stack([turned, -turned])
 
 
 def _behind_shaft(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -40,11 +63,13 @@ class Inertia(Effect):
     title: ClassVar[str] = "inertia"
     summary: ClassVar[str] = "torque in proportion to acceleration (unmodelled moving mass, reflected rotor)"
     equation: ClassVar[str] = (
-        "y += J d²x/dt², at t or at t − τ, or y += z with d²z/dt² + 2ζω dz/dt + ω² z = ω² J d²x/dt²"
+        "y += J d²x/dt², at t or at t − τ, J constant or linear in x (with or without J' (dx/dt)² / 2), or y += z with d²z/dt² + 2ζω dz/dt + ω² z = ω² J d²x/dt²"
     )
     coordinate: ClassVar[str] = "acceleration"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("inertia", "kg·m²", -np.inf, np.inf, "moment of inertia; negative where the simulator has too much"),
+        Parameter("inertia_upper", "kg·m²", 0.0, np.inf, "J at the largest deflection, of a mechanism that changes it"),
+        Parameter("inertia_lower", "kg·m²", 0.0, np.inf, "the same at as much on the other side"),
         Parameter("shaft_lag", "s", 0.0, np.inf, "time by which it follows behind a compliant shaft"),
         Parameter("natural_frequency", "rad/s", 0.0, np.inf, "at which it swings on the transmission's compliance"),
         Parameter("damping_ratio", "1", 0.0, 1.0, "of that swinging"),
@@ -61,10 +86,16 @@ class Inertia(Effect):
         # Within the motion's band it would be a resonance, which is another matter; faster than sampled, it is rigid.
         swings = (2.0 * acceleration / max(speed, 1e-300), 0.7 / step)
         free = (0.0,), (np.inf,)
+        ends = "inertia_upper", "inertia_lower"
+        changing = f"{between_ends(scene, *ends)} * a"
+        turning = f"(inertia_upper - inertia_lower) / {stroke(scene):.8g} / 4 * v**2"
+        both = (0.0,) * 2, (np.inf,) * 2
         rigid = Form("rigid", ("inertia",), _columns, *free, equation="y += inertia * a")
         return [
             rigid,
             overdone(rigid),
+            Form("by position", ends, _by_position, *both, equation=f"y += {changing}"),
+            Form("of a mechanism", ends, _of_mechanism, *both, equation=f"y += {changing} + {turning}"),
             Form("behind a shaft", ("inertia",), _behind_shaft, *free, ("shaft_lag",), (), [(0.02 * step, longest)], ("rigid",),
                  lambda shape, coefficients: (min(step, 0.5 * longest),), equation="y += inertia * late(a, shaft_lag)"),
             Form("behind a compliant transmission", ("inertia",), _on_spring, *free, ("natural_frequency", "damping_ratio"),

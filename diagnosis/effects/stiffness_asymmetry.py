@@ -53,6 +53,16 @@ def _rounded(side: float, part: Callable[[Scene], Floats]) -> Columns:
     return columns
 
 
+def _hardening_by(side: float) -> Columns:
+    """A spring that hardens with a power of the deflection on one side (±1)."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        beyond = np.maximum(side * scene.signals.smooth_x, 0.0) / scene.signals.reach
+        return (side * beyond ** shape[0])[:, None]
+
+    return columns
+
+
 def _stretched(side: float) -> Columns:
     """Stiffer inside the joint: on one side its elements see a larger deflection."""
 
@@ -70,7 +80,7 @@ class StiffnessAsymmetry(Effect):
     title: ClassVar[str] = "stiffness asymmetry"
     summary: ClassVar[str] = "stiffer on one side than on the other (unequal springs, one-sided contact)"
     equation: ClassVar[str] = (
-        "y += k max(±x, 0), k |x| (sharp or rounded), k2 x² (also on one side), g y_sim or its elastic part on one side or of opposite sign "
+        "y += k max(±x, 0), k |x| (sharp or rounded), k2 x² (also on one side), Y (±x/X)^p on one side of the stroke X, g y_sim or its elastic part on one side or of opposite sign "
         "on both, or x → x + s max(±x, 0)"
     )
     coordinate: ClassVar[str] = "position"
@@ -87,6 +97,8 @@ class StiffnessAsymmetry(Effect):
             "extra_stretch", "1", -0.6, 1.5, "s, relative difference of one side's stiffness at the same strength"
         ),
         Parameter("extra_gain", "1", -1.0, 1.0, "relative difference of one side"),
+        Parameter("extra_torque", "N·m", -np.inf, np.inf, "Y, of one side at the stroke's end"),
+        Parameter("power", "1", 1.2, 5.0, "p, with which that grows"),
         Parameter("knee", "rad", 0.0, np.inf, "width over which the stiffness changes"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("end_stop", "deflection_offset", "torque_gain")
@@ -113,6 +125,12 @@ class StiffnessAsymmetry(Effect):
                  equation="y += extra_stiffness_slope * x * maximum(x, 0)"),
             Form("quadratic, lower side", ("extra_stiffness_slope",), _sided(-1.0, _hardening), *free,
                  equation="y += extra_stiffness_slope * x * maximum(-x, 0)"),
+        ]  # fmt: skip
+        made += [
+            Form(f"hardening, {told}", ("extra_torque",), _hardening_by(side), *free, ("power",), (), [(1.2, 5.0)],
+                 (f"quadratic, {told}",), lambda shape, coefficients: (2.5,),
+                 equation=f"y += {sign}extra_torque * (maximum({sign}x, 0) / {reach:.8g})**power")
+            for side, sign, told in ((1.0, "", "upper side"), (-1.0, "-", "lower side"))
         ]  # fmt: skip
         for what, part, name, bounds in (
             ("spring", Part("x", lambda scene: scene.signals.smooth_x), "extra_stiffness", free),

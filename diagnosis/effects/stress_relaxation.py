@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import LOW, PARTS, Columns, Effect, Floats, Form, Parameter, Part, Scene, geometric
+from .base import HIGH, LOW, NOT, PARTS, Columns, Effect, Floats, Form, Parameter, Part, Scene, geometric
 
 __all__ = ["StressRelaxation"]
 
@@ -35,6 +35,27 @@ def _spectrum(branches: Columns) -> Columns:
     return lambda scene, shape: branches(scene, (shape[0], 4.0 * shape[0], 16.0 * shape[0]))
 
 
+def _creeping(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    """A branch whose dashpot yields the more the more it is loaded."""
+    return scene.signals.creeping(*shape)[:, None]
+
+
+def _crept(scene: Scene, time_constant: float) -> Floats:
+    """What a spring and a dashpot side by side, in series with the joint, are stretched by for a compliance of one."""
+    return scene.signals.lowpass(scene.signals.y_real, time_constant)
+
+
+def _in_series(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    """The first order of a small compliance."""
+    crept = _crept(scene, shape[0])
+    small = 1e-3 * scene.signals.reach / max(float(np.max(np.abs(crept))), 1e-300)
+    return scene.torque_change(scene.signals.x - small * crept)[:, None] / small
+
+
+def _compliant_in_series(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return scene.torque_change(scene.signals.x - shape[1] * _crept(scene, shape[0]))[:, None]
+
+
 def _law(part: Part, down: bool, *branches: tuple[str, str]) -> tuple[Columns, str]:
     """The columns and the equation of branches, each told by its size and its time constant.
 
@@ -56,7 +77,8 @@ class StressRelaxation(Effect):
     title: ClassVar[str] = "stress relaxation"
     summary: ClassVar[str] = "torque that decays during a hold and rises with rate (viscoelastic Maxwell branch)"
     equation: ClassVar[str] = (
-        "y += Σ k_i (x − L_i),  τ_i dL_i/dt = x − L_i   (or with y_sim, or its elastic part, in place of k x; or y −= Σ s_i L_i of either)"
+        "y += Σ k_i (x − L_i),  τ_i dL_i/dt = x − L_i   (or with y_sim, or its elastic part, in place of k x; or y −= Σ s_i L_i of either); "
+        "or y += k f,  df/dt = dx/dt − (f / τ) |f / X|^(p − 1) with the stroke X; or x → x − c,  τ dc/dt = y/K − c"
     )
     coordinate: ClassVar[str] = "time"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -69,6 +91,8 @@ class StressRelaxation(Effect):
         Parameter("share_2", "1", 0.0, np.inf, "of the second branch of a spectrum"),
         Parameter("share_3", "1", 0.0, np.inf, "of its third branch"),
         Parameter("time_constant", "s", 0.0, np.inf, "of the (first) branch"),
+        Parameter("compliance", "rad/(N·m)", 0.0, np.inf, "1/K, of what creeps in series with the joint"),
+        Parameter("power", "1", 1.2, 4.0, "p, of the load with which its dashpot yields, in τ at the stroke's end"),
         Parameter("time_constant_2", "s", 0.0, np.inf, "of the second branch"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("viscous_friction", "sensor_delay", "miscalibration")
@@ -112,6 +136,9 @@ class StressRelaxation(Effect):
                 [limits], (simpler,), lambda shape, _: (max(0.25 * shape[0], low),), equation=equation,
             )  # fmt: skip
 
+        in_series = "x = x - compliance * lowpass(y, time_constant)"
+        # As soft as that the joint itself would hardly move.
+        soft = 0.5 * s.reach / max(float(np.max(np.abs(s.y_real))), 1e-300)
         pairs = [(a, b) for a in times[::2] for b in times[1::2] if b > 4.0 * a]
         of_two, told_two = _law(DEFLECTION, False, *two("stiffness"))
         of_three, told_three = _law(DEFLECTION, False, *three("stiffness"))
@@ -123,6 +150,16 @@ class StressRelaxation(Effect):
                  ("time_constant", "time_constant_2"), pairs, [limits, limits], equation=told_two),
             Form("spectrum", ("stiffness", "stiffness_2", "stiffness_3"), _spectrum(of_three), (0.0,) * 3, (np.inf,) * 3,
                  ("time_constant",), [(t,) for t in times[:7]], [limits], equation=told_three),
+            # With a high power it is a slider.
+            Form("power-law dashpot", ("stiffness",), _creeping, (0.0,), (np.inf,), ("time_constant", "power"),
+                 [(t, 2.0) for t in geometric(0.1 * low, high, 6)], [(0.02 * low, 1.2 * high), (1.2, 4.0)],
+                 borders=[LOW, HIGH],
+                 equation=f"y += stiffness * creep(x, time_constant, power, {s.reach:.8g})"),
+            Form("creep in series, small", ("compliance",), _in_series, (0.0,), (np.inf,), ("time_constant",),
+                 [(t,) for t in times[::2]], [limits], borders=[LOW], equation=in_series),
+            Form("creep in series", ("_unit",), _compliant_in_series, (1.0,), (1.0,), ("time_constant", "compliance"), (),
+                 [limits, (1e-4 * soft, soft)], ("creep in series, small",), lambda shape, found: (*shape, float(found[0])),
+                 borders=[LOW, NOT], equation=in_series),
             branch("from the spring down", SPRING, True),
             branches("from the torque down, two branches", TORQUE, True, "from the torque down"),
             spectrum("from the torque down, spectrum", TORQUE, True, "from the torque down"),

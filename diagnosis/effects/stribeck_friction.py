@@ -35,6 +35,8 @@ def _own_friction(scene: Scene, shape: tuple[float, ...]) -> Floats:
 
 HARDLY = 0.08
 """Share of the friction that the excess makes, below which there is hardly any."""
+FALLS = 0.03
+"""Share by which friction must be larger at low speed than at high speed to fall at all."""
 CURVES = (
     ("p = 2", "exp(-(v / stribeck_speed)**2)", _gaussian),
     ("p = 1", "exp(-abs(v) / stribeck_speed)", _exponential),
@@ -97,7 +99,8 @@ class StribeckFriction(Effect):
         more = excess * _gaussian(speed / parameters["stribeck_speed"])
         # What the transition of the sign hides at low speed is not there.
         sign = np.tanh(speed / parameters["transition_speed"]) if "transition_speed" in parameters else 1.0
-        return rms(more * sign) < HARDLY * rms((friction + more) * sign)
+        level = np.abs((friction + more) * sign)
+        return rms(more * sign) < HARDLY * rms(level) or float(np.max(level)) < (1.0 + FALLS) * friction
 
     def forms(self, scene: Scene) -> list[Form]:
         fast = rms(scene.signals.speed)

@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..operators import rms
-from .base import Effect, Floats, Form, Parameter, Scene, overdone
+from .base import Effect, Floats, Form, Parameter, Scene, at_either_end, between_ends, overdone
 
 __all__ = ["ViscousFriction"]
 
@@ -21,6 +21,20 @@ def _columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
 def _quadratic(scene: Scene, shape: tuple[float, ...]) -> Floats:
     v = scene.signals.speed
     return np.column_stack([v, v * np.abs(v)])
+
+
+def _cubic(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    v = scene.signals.speed
+    return np.column_stack([v, v**3])
+
+
+def _unequal(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    v = scene.signals.speed
+    return np.column_stack([np.maximum(v, 0.0), np.minimum(v, 0.0)])
+
+
+def _by_position(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return np.column_stack([share * scene.signals.speed for share in at_either_end(scene)])
 
 
 def _eyring(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -37,13 +51,19 @@ class ViscousFriction(Effect):
     id: ClassVar[str] = "viscous_friction"
     title: ClassVar[str] = "viscous friction"
     summary: ClassVar[str] = "torque that opposes motion and grows with speed (grease, seals, damping)"
-    equation: ClassVar[str] = "y += c |v|^p sgn(v), c v + c2 |v| v, c asinh(v/w) (Eyring), or c arctan(v/w)"
+    equation: ClassVar[str] = (
+        "y += c |v|^p sgn(v), c v + c2 |v| v, c v + c3 v³, c v with another c for each direction or linear in x, c asinh(v/w) (Eyring), or c arctan(v/w)"
+    )
     coordinate: ClassVar[str] = "speed"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter(
             "damping", "N·m·(s/rad)^p", -np.inf, np.inf, "torque at 1 rad/s; negative where the simulator has too much"
         ),
         Parameter("damping_2", "N·m·s²/rad²", 0.0, np.inf, "part that grows as the square (churning)"),
+        Parameter("damping_3", "N·m·s³/rad³", 0.0, np.inf, "part that grows as the cube"),
+        Parameter("damping_back", "N·m·s/rad", 0.0, np.inf, "c of motion in the negative direction"),
+        Parameter("damping_upper", "N·m·s/rad", 0.0, np.inf, "c at the largest deflection"),
+        Parameter("damping_lower", "N·m·s/rad", 0.0, np.inf, "the same at as much on the other side"),
         Parameter("limit", "N·m", 0.0, np.inf, "c of a grease that thins or saturates"),
         Parameter("thinning_speed", "rad/s", 0.0, np.inf, "w, speed at which it does"),
         Parameter("power", "1", 0.5, 2.0, "1 for a Newtonian lubricant, less for a shear-thinning one"),
@@ -58,11 +78,17 @@ class ViscousFriction(Effect):
                  [(0.25 * fast, 5.0 * fast)], equation=f"y += limit * {curve}(v / thinning_speed)")
             for name, curve, law in (("Eyring", "arcsinh", _eyring), ("saturating", "arctan", _saturating))
         ]  # fmt: skip
+        both = (0.0,) * 2, (np.inf,) * 2
         linear = Form("linear", ("damping",), _columns, (0.0,), (np.inf,), equation="y += damping * v")
         return [
             linear,
-            Form("linear and quadratic", ("damping", "damping_2"), _quadratic, (0.0, 0.0), (np.inf, np.inf),
+            Form("linear, unequal", ("damping", "damping_back"), _unequal, *both,
+                 equation="y += where(v > 0, damping, damping_back) * v"),
+            Form("linear, by position", ("damping_upper", "damping_lower"), _by_position, *both,
+                 equation=f"y += {between_ends(scene, 'damping_upper', 'damping_lower')} * v"),
+            Form("linear and quadratic", ("damping", "damping_2"), _quadratic, *both,
                  equation="y += damping * v + damping_2 * v * abs(v)"),
+            Form("linear and cubic", ("damping", "damping_3"), _cubic, *both, equation="y += damping * v + damping_3 * v**3"),
             Form("power law", ("damping",), _columns, (0.0,), (np.inf,), ("power",), [(0.6,), (0.75,), (1.3,), (1.7,)],
                  [(0.5, 2.0)], equation="y += damping * abs(v)**power * sign(v)"),
             *thinning,
