@@ -134,7 +134,7 @@ def middle(form: Form) -> tuple[float, ...]:
 def sizes(form: Form) -> Floats:
     """Coefficients within the law's bounds, each another."""
     wanted = 1e-3 * (1.0 + np.arange(len(form.coefficients)))
-    wanted = -wanted if form.overdone else wanted
+    wanted = np.where(np.asarray(form.upper) <= 0.0, -wanted, wanted)
     return np.clip(wanted, np.maximum(form.lower, -1e9), np.minimum(form.upper, 1e9))
 
 

@@ -145,6 +145,11 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
     "damage that grows": ("cyclic_softening", lambda: joint(X) * (1.0 - 0.08 * (TRAVEL / TRAVEL[-1]) ** 2)),
     "a spring that wears steadily": ("cyclic_softening", lambda: spring(X) * (1.0 - 0.08 * TRAVEL / TRAVEL[-1]) + friction(X)),
     "a side that hardens steeply": ("stiffness_asymmetry", lambda: joint(X) + 0.6 * np.maximum(X, 0.0) ** 3),
+    "a spring that slackens on the way back": (
+        "stiffness_asymmetry", lambda: spring(X) * np.where(X > 0.0, 1.08, 0.98) + friction(X)
+    ),
+    "a spring that stiffens across": ("stiffness_asymmetry", lambda: spring(X) * (1.0 + 0.08 * X) + friction(X)),
+    "a spring that stiffens under load": ("stiffness_asymmetry", lambda: spring(X) * np.where(joint(X) > 0.0, 1.08, 1.0) + friction(X)),
     "a disc with three magnets": (
         "encoder_eccentricity", lambda: joint(X + 0.012 * np.sin(5.0 * X + 0.3) + 0.006 * np.sin(15.0 * X + 1.0))
     ),
@@ -167,7 +172,16 @@ def test_a_law_of_another_hand_is_named(law: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "law", ["churning oil", "heat that soaks in", "grease that thins steadily", "a spring that wears steadily"]
+    "law",
+    [
+        "a spring that slackens on the way back",
+        "a spring that stiffens across",
+        "a spring that stiffens under load",
+        "churning oil",
+        "heat that soaks in",
+        "grease that thins steadily",
+        "a spring that wears steadily",
+    ],
 )
 def test_a_law_that_is_known_leaves_nothing(law: str) -> None:
     found = diagnosed(LAWS[law][1]())

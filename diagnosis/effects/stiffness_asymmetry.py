@@ -53,6 +53,21 @@ def _rounded(side: float, part: Callable[[Scene], Floats]) -> Columns:
     return columns
 
 
+def _unequal(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    """Stiffer on one side and softer on the other, each by a part of its own."""
+    x, spring = scene.signals.smooth_x, scene.spring
+    return np.column_stack([spring * (x > 0.0), -spring * (x < 0.0)])
+
+
+def _progressive(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return (scene.spring * scene.signals.smooth_x / scene.signals.reach)[:, None]
+
+
+def _loaded(side: float) -> Columns:
+    """The spring while the whole torque is of one sign (±1)."""
+    return lambda scene, shape: (scene.spring * (side * scene.torque > 0.0))[:, None]
+
+
 def _hardening_by(side: float) -> Columns:
     """A spring that hardens with a power of the deflection on one side (±1)."""
 
@@ -80,7 +95,7 @@ class StiffnessAsymmetry(Effect):
     title: ClassVar[str] = "stiffness asymmetry"
     summary: ClassVar[str] = "stiffer on one side than on the other (unequal springs, one-sided contact)"
     equation: ClassVar[str] = (
-        "y += k max(±x, 0), k |x| (sharp or rounded), k2 x² (also on one side), Y (±x/X)^p on one side of the stroke X, g y_sim or its elastic part on one side or of opposite sign "
+        "y += k max(±x, 0), k |x| (sharp or rounded), k2 x² (also on one side), Y (±x/X)^p on one side of the stroke X, g y_sim or its elastic part on one side, under torque of one sign, in proportion to x or of opposite sign "
         "on both, or x → x + s max(±x, 0)"
     )
     coordinate: ClassVar[str] = "position"
@@ -97,6 +112,7 @@ class StiffnessAsymmetry(Effect):
             "extra_stretch", "1", -0.6, 1.5, "s, relative difference of one side's stiffness at the same strength"
         ),
         Parameter("extra_gain", "1", -1.0, 1.0, "relative difference of one side"),
+        Parameter("other_gain", "1", -1.0, 1.0, "the same of the negative side the other way round"),
         Parameter("extra_torque", "N·m", -np.inf, np.inf, "Y, of one side at the stroke's end"),
         Parameter("power", "1", 1.2, 5.0, "p, with which that grows"),
         Parameter("knee", "rad", 0.0, np.inf, "width over which the stiffness changes"),
@@ -125,6 +141,18 @@ class StiffnessAsymmetry(Effect):
                  equation="y += extra_stiffness_slope * x * maximum(x, 0)"),
             Form("quadratic, lower side", ("extra_stiffness_slope",), _sided(-1.0, _hardening), *free,
                  equation="y += extra_stiffness_slope * x * maximum(-x, 0)"),
+        ]  # fmt: skip
+        sides = ("extra_gain", "other_gain"), _unequal
+        told_unequal = "y += where(x > 0, extra_gain, -other_gain) * y_spring"
+        made += [
+            Form("elastic torque, stiffer above and softer below", *sides, (0.0,) * 2, (1.0,) * 2, equation=told_unequal),
+            Form("elastic torque, softer above and stiffer below", *sides, (-1.0,) * 2, (0.0,) * 2, equation=told_unequal),
+            Form("elastic torque, progressive", ("extra_gain",), _progressive, *gain,
+                 equation=f"y += extra_gain * x / {reach:.8g} * y_spring"),
+            Form("elastic torque, under positive torque", ("extra_gain",), _loaded(1.0), *gain,
+                 equation="y += extra_gain * (y > 0) * y_spring"),
+            Form("elastic torque, under negative torque", ("extra_gain",), _loaded(-1.0), *gain,
+                 equation="y += extra_gain * (y < 0) * y_spring"),
         ]  # fmt: skip
         made += [
             Form(f"hardening, {told}", ("extra_torque",), _hardening_by(side), *free, ("power",), (), [(1.2, 5.0)],
