@@ -375,8 +375,8 @@ def _judge_refit(evidence: Evidence, best: Hypothesis, energy: float) -> _Refit:
         together = float(np.mean(np.square((signals.gap - held.signal - held.recalibration)[rows])))
         share = RECALIBRATION_SHARE_POOR if is_poor(signals) else RECALIBRATION_SHARE
         needed = alone - together > max(share * energy, RECALIBRATION_CLEAR * floor**2)
-        # Errors of a tenth that would make so little are the law's misfit.
-        likely = is_refitted(best.scale) and not _needs_largest_errors(evidence, best)
+        # Errors of a tenth that would make so little are the law's misfit; those of a fitted model are expected.
+        likely = is_refitted(best.scale) and (evidence.fitted or not _needs_largest_errors(evidence, best))
         off = bool(needed or (likely and gain > RECALIBRATION_WORTH))
     else:
         # With no effect at all, what the refit takes is the gap.
