@@ -129,6 +129,12 @@ def _is_as_good(evidence: Evidence, one: Hypothesis, other: Hypothesis) -> bool:
     return one.names <= other.names and one.by_scale[one.scale] > other.by_scale[other.scale] - near
 
 
+def _as_itself(evidence: Evidence, hypothesis: Hypothesis, size: float) -> Hypothesis:
+    """The same without other laws of its effects beside an exact simulator that are only special cases of themselves there."""
+    close = hypothesis.beside_exact
+    return replace(hypothesis, beside_exact=None) if close and prior(evidence, close, size) == -np.inf else hypothesis
+
+
 def _without_image(hypothesis: Hypothesis) -> Hypothesis:
     """The same without another law of its effects beside an exact simulator that is an image."""
     close = hypothesis.beside_exact
@@ -139,8 +145,8 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     floor = evidence.sigma
     energy = max(float(np.mean(np.square(evidence.gap))) - floor**2, 1e-6 * floor**2)
     size = max(rms(evidence.gap), floor)
+    found = [_as_itself(evidence, h, size) for h in found if np.isfinite(prior(evidence, h, size))]
     likely = {id(h): h.score + prior(evidence, h, size) for h in found}
-    found = [h for h in found if np.isfinite(likely[id(h)])]
     ranked = sorted(found, key=lambda h: -likely[id(h)])
     simple = simplest(evidence, ranked, energy)
     best = fewest(evidence, ranked, simple, energy)
@@ -165,6 +171,10 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     if best.terms and refit.miscalibrated and not evidence.fitted and not is_needed(best):
         # The simulator is off in any case: an effect beside must be needed, not only welcome.
         best, refit = blank, _judge_refit(evidence, blank, energy)
+    if prior(evidence, best, size) == -np.inf:
+        # Beside another simulator its law is only a special case.
+        best = next(h for h in found if h.names == best.names)
+        refit = _judge_refit(evidence, best, energy)
     own = best.score + prior(evidence, best, size)
     if best.terms and not is_refitted(best.scale):
         # What could stand in for it is judged as it is: beside an exact simulator where that is hardly worse.
