@@ -16,7 +16,7 @@ __all__ = ["Library", "search"]
 Floats = NDArray[np.float64]
 ALONE, ALIKE = 18, 4
 """Laws with shapes to move that are refined alone, and how many laws of one effect are."""
-FAR = 0.5
+FAR = 1.0
 """Evidence a sample by which an effect alone may fall behind another for its further laws to be tried."""
 EXACT = 8
 """Laws that are also refined beside an exact simulator, at most two of an effect."""
@@ -166,7 +166,7 @@ def _forms(effect: Effect, evidence: Evidence) -> list[Form]:
     return [form for form in effect.forms(evidence.scene) if not (evidence.fitted and form.overdone)]
 
 
-def search(library: Library, wide: int = 7, most: int = 3) -> list[Hypothesis]:
+def search(library: Library, wide: int = 9, most: int = 3) -> list[Hypothesis]:
     """Fitted hypotheses, the empty one first, then by number of effects and evidence.
 
     Every effect is fitted alone; the best ``wide`` of them are extended by every other effect, the best pairs again,

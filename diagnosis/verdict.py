@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 from .adequacy import ALMOST_ALL, emulated, forgiven_here, left_by, left_to_noise
 from .calibration import CONFIDENCE, confidence
-from .evidence import Evidence, Hypothesis, Term, count_unknowns, is_refitted
+from .evidence import FINE, Evidence, Hypothesis, Term, count_unknowns, is_refitted
 from .heldout import HeldOut, held_out
 from .hum import hum
 from .names import GAIN, MISCALIBRATION, UNKNOWN
 from .noise import structured_power
 from .operators import rms
 from .parsimony import fewest, hardly_worse, simplest
-from .priors import BESIDE_OFF, IDLE, prior
+from .priors import BESIDE_OFF, IDLE, STANDS_IN, prior
 from .quantisation import torque_step
 from .rivals import SAME_BY_EYE, TEMPERATURE, effective_share, is_nested, is_poor, recalibration_rivals, weigh
 from .spikes import OUTLIERS, spikes
@@ -45,6 +45,9 @@ AGAINST_ONE_FACTOR = 20.0
 """Logarithm of the odds against one factor beyond which it is a coincidence in any case."""
 SEVERAL = 0.02
 """Share of the gap's energy that one factor leaves where it is several errors rather than one factor."""
+NO_BETTER = 4.0
+"""Logarithm of the odds, for each constant of its law, up to which an effect beside an exact simulator is no better than a
+simulator that is off: every simulator is, by a little, and its errors are what such an effect would imitate."""
 SMALL = 3.0
 """Gap over noise below which such a share cannot be told."""
 CLEARLY_WORSE = 0.004
@@ -126,7 +129,7 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
 def _is_as_good(evidence: Evidence, one: Hypothesis, other: Hypothesis) -> bool:
     """Whether some of the same effects, by other laws or beside a simulator that is off, do as well."""
     near = SAME_BY_EYE * evidence.effective
-    return one.names <= other.names and one.by_scale[one.scale] > other.by_scale[other.scale] - near
+    return bool(one.names) and one.names <= other.names and one.by_scale[one.scale] > other.by_scale[other.scale] - near
 
 
 def _as_itself(evidence: Evidence, hypothesis: Hypothesis, size: float) -> Hypothesis:
@@ -163,6 +166,7 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     if not simple.terms and not evidence.fitted:
         single = (h for h in ranked if len(h.terms) == 1 and rms(h.signal) > SUBSTANTIAL * size)
         best = next((h for h in single if is_needed(h) and _is_nearer(h, blank)), best)
+    best = _rather_off(evidence, best, blank, size)
     refit = _judge_refit(evidence, best, energy)
     if best.terms or refit.miscalibrated:
         other = _as_one_factor(evidence, best, found, energy, size)
@@ -318,6 +322,19 @@ def _either_of_two(
     told = swapped.keys() if len(best.names) > 1 else {max(swapped, key=swapped.__getitem__, default=frozenset())}
     apart = [score for h, score in field.scored() if not is_nested(h, best) and h.names not in told]
     return confidence(CONFIDENCE, verdict, {**features, "margin": supported - max(apart, default=-np.inf)})
+
+
+def _rather_off(evidence: Evidence, best: Hypothesis, blank: Hypothesis, size: float) -> Hypothesis:
+    """``best``, or a simulator that is off in place of its one effect beside an exact one where that is no worse."""
+    if evidence.fitted or len(best.terms) != 1 or is_refitted(best.scale):
+        return best
+    if not best.names.isdisjoint(STANDS_IN) and best.scale[0] < FINE:
+        # One factor on all that an exact simulator says is no error.
+        return best
+    scale = max((s for s in blank.by_scale if is_refitted(s)), key=blank.by_scale.__getitem__)
+    worse = best.score + prior(evidence, best, size) - blank.by_scale[scale]
+    near = worse < NO_BETTER * count_unknowns(best.terms)
+    return replace(evidence.fit((), (scale,)), by_scale=blank.by_scale) if near else best
 
 
 def _is_nearer(hypothesis: Hypothesis, blank: Hypothesis) -> bool:

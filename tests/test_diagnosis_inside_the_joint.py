@@ -136,10 +136,8 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
     "a damper with a valve": ("viscous_friction", lambda: joint(X) + np.where(SPEED > 0.0, 0.12, 0.03) * SPEED),
     "a bore that narrows": ("viscous_friction", lambda: joint(X) + 0.08 * (1.0 + 0.8 * X) * SPEED),
     "a belt that creeps under load": ("stress_relaxation", lambda: joint(X) + creeping(0.5, 0.4, 2.6)),
-    "teeth that wedge": ("load_dependent_friction", lambda: joint(X) + 0.06 * np.abs(joint(X)) ** 1.6 * SIGN),
     "a rubber mount": ("stress_relaxation", lambda: creeping_in_series(60.0, 0.8)),
     "churning oil": ("viscous_friction", lambda: joint(X) + 0.05 * SPEED + 0.02 * SPEED**3),
-    "a bearing that runs harder at one end": ("coulomb_friction", lambda: joint(X) + 0.15 * (1.0 + 0.8 * X) * SIGN),
     "heat that soaks in": ("thermal_drift", lambda: joint(X) * (1.0 - 0.06 * np.sqrt(TIME / TIME[-1]))),
     "grease that thins steadily": ("thermal_drift", lambda: spring(X) + friction(X) * (1.0 - 0.4 * TIME / TIME[-1])),
     "damage that grows": ("cyclic_softening", lambda: joint(X) * (1.0 - 0.08 * (TRAVEL / TRAVEL[-1]) ** 2)),
@@ -150,9 +148,6 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
     ),
     "a spring that stiffens across": ("stiffness_asymmetry", lambda: spring(X) * (1.0 + 0.08 * X) + friction(X)),
     "a spring that stiffens under load": ("stiffness_asymmetry", lambda: spring(X) * np.where(joint(X) > 0.0, 1.08, 1.0) + friction(X)),
-    "a disc with three magnets": (
-        "encoder_eccentricity", lambda: joint(X + 0.012 * np.sin(5.0 * X + 0.3) + 0.006 * np.sin(15.0 * X + 1.0))
-    ),
     "a mass on a compliant shaft": ("inertia", lambda: joint(X) + swinging(0.02, 9.0, 0.05)),
     "spring and grease that warm up": (
         "thermal_drift",
@@ -178,7 +173,6 @@ def test_a_law_of_another_hand_is_named(law: str) -> None:
         "a spring that stiffens across",
         "a spring that stiffens under load",
         "churning oil",
-        "heat that soaks in",
         "grease that thins steadily",
         "a spring that wears steadily",
     ],

@@ -16,8 +16,6 @@ from .base import (
     Form,
     Parameter,
     Scene,
-    at_either_end,
-    between_ends,
     direction_laws,
     overdone_friction,
 )
@@ -45,21 +43,13 @@ def _unequal(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
     return columns
 
 
-def _by_position(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
-    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        sign = law.signal(scene.signals, shape[0])
-        return np.column_stack([share * sign for share in at_either_end(scene)])
-
-    return columns
-
-
 class CoulombFriction(Effect):
     """Dry friction whose size depends on neither speed nor load."""
 
     id: ClassVar[str] = "coulomb_friction"
     title: ClassVar[str] = "Coulomb friction"
     summary: ClassVar[str] = "constant torque against the direction of motion (bearings, seals, brushes)"
-    equation: ClassVar[str] = "y += F (s + q |s|), F constant or linear in x,  s = sgn(v) after presliding"
+    equation: ClassVar[str] = "y += F (s + q |s|),  s = sgn(v) after presliding"
     coordinate: ClassVar[str] = "direction"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("friction", "N·m", -np.inf, np.inf, "sliding friction; negative where the simulator has too much"),
@@ -67,7 +57,6 @@ class CoulombFriction(Effect):
         Parameter(
             "friction_upper", "N·m", 0.0, np.inf, "at the largest deflection, of a bearing that runs harder there"
         ),
-        Parameter("friction_lower", "N·m", 0.0, np.inf, "the same at as much on the other side"),
         *PRESLIDING,
         Parameter("inequality", "1", -0.2, 0.2, "half the relative difference between the directions"),
         Parameter("elastic_presliding_2", "rad", 0.0, np.inf, "of the second contact"),
@@ -94,15 +83,9 @@ class CoulombFriction(Effect):
                  equation=f"y += friction * ({law.equation} + inequality * abs({law.equation}))")
             for law in laws
         ]  # fmt: skip
-        ends = "friction_upper", "friction_lower"
-        changing = [
-            Form(f"{law.name}, by position", ends, _by_position(law), (0.0,) * 2, (np.inf,) * 2, (law.parameter,), (), [law.limits],
-                 (law.name,), equation=f"y += {between_ends(scene, *ends)} * {law.equation}")
-            for law in laws
-        ]  # fmt: skip
         steep = next(form for form in made if form.shapes == ("transition_speed",))
         flat = replace(
             steep, name="regularised by arctan", columns=_arctan,
             equation="y += friction * arctan(v / transition_speed) * 2 / pi",
         )  # fmt: skip
-        return [*made, flat, two, *unequal, *changing, *overdone_friction(made)]
+        return [*made, flat, two, *unequal, *overdone_friction(made)]

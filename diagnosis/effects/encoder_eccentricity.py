@@ -11,32 +11,28 @@ from .base import INPUT, LOW, NOT, Columns, Effect, Floats, Form, Parameter, Sce
 
 __all__ = ["EncoderEccentricity"]
 
-ORDERS = {"two harmonics": (1, 2), "first and third harmonics": (1, 3)}
-"""Harmonics of which an error consists that is no sine: of an eccentric disc that wobbles, of three teeth or poles a turn."""
+SIZES = ("error_sin", "error_cos", "error_sin_2", "error_cos_2")
 MOSTLY_OFFSET = 5.0
 """Mean of the error over its deviation, from which it is no eccentricity."""
 ZEROED, SETTLED = "zero at home", "friction settled at home"
 """What is zero at home: the encoder's error, or only the friction, which has settled there."""
 
 
-def _names(orders: Sequence[int]) -> tuple[str, ...]:
-    """Names of the sine and cosine parts of each harmonic."""
-    return tuple(f"error_{wave}{'' if k == 1 else f'_{k}'}" for k in orders for wave in ("sin", "cos"))
-
-
-def _error(sizes: Sequence[float], orders: Sequence[int], angle: Floats) -> tuple[Floats, Floats]:
+def _error(sizes: Sequence[float], angle: Floats) -> tuple[Floats, Floats]:
     """The periodic error and its derivative by the angle (n,), for sine and cosine of each harmonic in turn in ``sizes``."""
     turned = np.exp(1j * angle)
-    harmonics = [(k, (q - 1j * p) * turned**k) for k, p, q in zip(orders, sizes[::2], sizes[1::2], strict=True)]
+    harmonics = [
+        (k, (q - 1j * p) * turned**k) for k, (p, q) in enumerate(zip(sizes[::2], sizes[1::2], strict=True), start=1)
+    ]
     return np.real(sum(wave for _, wave in harmonics)), np.real(sum(1j * k * wave for k, wave in harmonics))
 
 
-def _columns(orders: Sequence[int], home: str = "") -> Columns:
+def _columns(harmonics: int, home: str = "") -> Columns:
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         x = scene.signals.x
         small = 1e-3 * scene.signals.reach
         made, sprung = [], scene.spring_change(x + small) / small if home == SETTLED else 0.0
-        for k in orders:
+        for k in range(1, harmonics + 1):
             angle = k * shape[0] * x
             made.append(scene.torque_change(x + small * np.sin(angle)) / small)
             made.append(scene.torque_change(x + small * (np.cos(angle) - float(home != ""))) / small + sprung)
@@ -45,7 +41,7 @@ def _columns(orders: Sequence[int], home: str = "") -> Columns:
     return columns
 
 
-def _of_true_angle(orders: Sequence[int], home: str = "") -> Columns:
+def _of_true_angle(home: str = "") -> Columns:
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         periods, sizes = shape[0], shape[1:]
         x = scene.signals.x
@@ -53,7 +49,7 @@ def _of_true_angle(orders: Sequence[int], home: str = "") -> Columns:
         at_home = sum(sizes[1::2]) if home else 0.0
         # Newton's steps for z = x + p sin(N z) + q cos(N z) + …; the slope is kept from making them leap.
         for _ in range(3):
-            error, steepness = _error(sizes, orders, periods * true)
+            error, steepness = _error(sizes, periods * true)
             true = true - (true - x - error + at_home) / np.maximum(1.0 - periods * steepness, 0.3)
         change = scene.torque_change(true)
         if home == SETTLED:
@@ -63,18 +59,18 @@ def _of_true_angle(orders: Sequence[int], home: str = "") -> Columns:
     return columns
 
 
-def _equation(orders: Sequence[int], home: str, of: str = "x") -> str:
+def _equation(harmonics: int, home: str, of: str = "x") -> str:
     """The equation of a periodic error of the measured angle x or of the true one, z."""
-    names = _names(orders)
 
-    def wave(sine: str, cosine: str, k: int) -> str:
-        angle = f"periods * {of}" if k == 1 else f"{k} * periods * {of}"
-        turned = f"(cos({angle}) - 1)" if home else f"cos({angle})"
-        return f"{sine} * sin({angle}) + {cosine} * {turned}"
+    def wave(number: str, times: str) -> str:
+        cosine = f"cos({times}periods * {of})"
+        cosine = f"({cosine} - 1)" if home else cosine
+        return f"error_sin{number} * sin({times}periods * {of}) + error_cos{number} * {cosine}"
 
-    waves = " + ".join(wave(*pair) for pair in zip(names[::2], names[1::2], orders, strict=True))
-    equation = f"x = x + {waves}" if of == "x" else f"x = z,  z = x + {waves}"
-    return f"{equation}, and {' + '.join(names[1::2])} more in the elastic part" if home == SETTLED else equation
+    waves = [wave("", ""), wave("_2", "2 * ")][:harmonics]
+    equation = f"x = x + {' + '.join(waves)}" if of == "x" else f"x = z,  z = x + {' + '.join(waves)}"
+    more = " + ".join(SIZES[1 : 2 * harmonics : 2])
+    return f"{equation}, and {more} more in the elastic part" if home == SETTLED else equation
 
 
 def _from_sine(shape: tuple[float, ...], coefficients: Floats) -> tuple[float, ...]:
@@ -92,7 +88,7 @@ class EncoderEccentricity(Effect):
     title: ClassVar[str] = "encoder eccentricity"
     summary: ClassVar[str] = "periodic error of the deflection (eccentric disc, magnet or gear)"
     equation: ClassVar[str] = (
-        "x → z, z = x + p sin(N z) + q cos(N z) [+ p2 sin(2 N z) + q2 cos(2 N z), or the same of 3 N] [− q − q2: zero at home, or only in what has memory], or with x on the right for z"
+        "x → z, z = x + p sin(N z) + q cos(N z) [+ p2 sin(2 N z) + q2 cos(2 N z)] [− q − q2: zero at home, or only in what has memory], or with x on the right for z"
     )
     coordinate: ClassVar[str] = "position"
     acts_on: ClassVar[str] = INPUT
@@ -101,8 +97,6 @@ class EncoderEccentricity(Effect):
         Parameter("error_cos", "rad", -np.inf, np.inf, "q, cosine part"),
         Parameter("error_sin_2", "rad", -np.inf, np.inf, "p2, sine part of its second harmonic"),
         Parameter("error_cos_2", "rad", -np.inf, np.inf, "q2, cosine part of it"),
-        Parameter("error_sin_3", "rad", -np.inf, np.inf, "sine part of its third harmonic"),
-        Parameter("error_cos_3", "rad", -np.inf, np.inf, "cosine part of it"),
         Parameter("periods", "1/rad·2π", 0.0, np.inf, "N, periods a turn"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("deflection_offset", "torque_gain", "miscalibration")
@@ -111,9 +105,7 @@ class EncoderEccentricity(Effect):
 
     def is_degenerate(self, parameters: dict[str, float], scene: Scene) -> bool:
         # Harmonics that cancel but for their mean are an offset of the deflection.
-        orders = (1, 2, 3)
-        sizes = [parameters.get(name, 0.0) for name in _names(orders)]
-        error, _ = _error(sizes, orders, parameters["periods"] * scene.signals.x)
+        error, _ = _error([parameters.get(name, 0.0) for name in SIZES], parameters["periods"] * scene.signals.x)
         return abs(float(np.mean(error))) > MOSTLY_OFFSET * float(np.std(error))
 
     def forms(self, scene: Scene) -> list[Form]:
@@ -130,21 +122,15 @@ class EncoderEccentricity(Effect):
             told = f", {home}" if home else ""
             sine = f"sine{told}"
             made += [
-                Form(sine, _names((1,)), _columns((1,), home), *small, ("periods",), grid, [span], borders=[LOW],
-                     equation=_equation((1,), home)),
+                Form(sine, SIZES[:2], _columns(1, home), *small, ("periods",), grid, [span], borders=[LOW],
+                     equation=_equation(1, home)),
                 # The error is a function of the true angle: as one of the measured angle it has harmonics.
-                Form(f"sine of the true angle{told}", unit[0], _of_true_angle((1,), home), *unit[1:], ("periods", *_names((1,))), (),
-                     [span, *[size] * 2], (sine,), _from_sine, borders=[LOW, NOT, NOT], equation=_equation((1,), home, "z")),
-            ]  # fmt: skip
-            two = ORDERS["two harmonics"]
-            made += [
-                Form(f"two harmonics of the true angle{told}", unit[0], _of_true_angle(two, home), *unit[1:],
-                     ("periods", *_names(two)), (), [span, *[size] * 4], (sine,), _from_sine_twice,
-                     borders=[LOW, *[NOT] * 4], equation=_equation(two, home, "z")),
-                *(
-                    Form(f"{name}{told}", _names(orders), _columns(orders, home), (-wide,) * 4, (wide,) * 4, ("periods",), (), [span],
-                         (sine,), borders=[LOW], equation=_equation(orders, home))
-                    for name, orders in ORDERS.items()
-                ),
+                Form(f"sine of the true angle{told}", unit[0], _of_true_angle(home), *unit[1:], ("periods", *SIZES[:2]), (),
+                     [span, *[size] * 2], (sine,), _from_sine, borders=[LOW, NOT, NOT], equation=_equation(1, home, "z")),
+                Form(f"two harmonics of the true angle{told}", unit[0], _of_true_angle(home), *unit[1:],
+                     ("periods", *SIZES), (), [span, *[size] * 4], (sine,), _from_sine_twice,
+                     borders=[LOW, *[NOT] * 4], equation=_equation(2, home, "z")),
+                Form(f"two harmonics{told}", SIZES, _columns(2, home), (-wide,) * 4, (wide,) * 4, ("periods",), (), [span],
+                     (sine,), borders=[LOW], equation=_equation(2, home)),
             ]  # fmt: skip
         return made

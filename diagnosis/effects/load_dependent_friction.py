@@ -46,7 +46,7 @@ def _efficiency(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Float
 
 
 def _by_power(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
-    """Contacts that flatten, or wedge: friction grows less or more than the load."""
+    """Contacts that flatten: friction grows less than the load."""
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         return (np.abs(scene.torque) ** shape[1] * law.signal(scene.signals, shape[0]))[:, None]
@@ -80,7 +80,7 @@ class LoadDependentFriction(Effect):
             "friction over load; negative where the simulator has too much",
         ),
         Parameter("friction_coefficient_back", "1", 0.0, np.inf, "μ', where the joint is driven back"),
-        Parameter("power", "1", 0.4, 1.8, "p of the load"),
+        Parameter("power", "1", 0.4, 1.0, "p of the load"),
         Parameter("strength_gain", "1", 0.0, np.inf, "relative gain of the friction's strength at the largest load"),
         *PRESLIDING,
     )
@@ -108,7 +108,7 @@ class LoadDependentFriction(Effect):
                      equation="y += where(y * s > 0, friction_coefficient, friction_coefficient_back) * abs(y) * s,  "
                      f"s = {law.equation}"),
                 Form(f"by a power of torque, {law.name}", ("friction_coefficient",), _by_power(law), (0.0,), (np.inf,),
-                     (law.parameter, "power"), (), [law.limits, (0.4, 1.8)], simple, lambda shape, _: (*shape, 0.8), borders=[NOT, LOW],
+                     (law.parameter, "power"), (), [law.limits, (0.4, 1.0)], simple, lambda shape, _: (*shape, 0.8), borders=[NOT, LOW],
                      equation=f"y += friction_coefficient * abs(y)**power * {law.equation}"),
                 Form(f"by elastic torque, {law.name}", ("friction_coefficient",), _columns(law, lambda scene: scene.spring), (0.0,), (np.inf,),
                      (law.parameter,), (), [law.limits], simple,

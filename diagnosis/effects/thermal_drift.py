@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -16,12 +15,6 @@ __all__ = ["ThermalDrift"]
 def _warming(scene: Scene, shape: tuple[float, ...]) -> Floats:
     t = scene.signals.elapsed
     return (1.0 - np.exp(-t / shape[0]) if shape else t)[:, None]
-
-
-def _by_power(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    """Heat that soaks in, or comes ever faster."""
-    t = scene.signals.elapsed
-    return (t / max(float(t.max()), 1e-300))[:, None] ** shape[0]
 
 
 def _heated(scene: Scene, power: Floats, time_constant: float) -> Floats:
@@ -67,10 +60,9 @@ def _zero(scene: Scene) -> Floats:
     return np.ones_like(scene.torque)
 
 
-BY_POWER = "(t / max(t))**power"
 EXPONENTIAL = "(1 - exp(-t / time_constant))"
 HEATED, RUBBED = "heat(y * v, time_constant)", "heat(y_memory * v, time_constant)"
-"""Warming in equations: with a power of time, in time, by what the drive puts in, by losses."""
+"""Warming in equations: in time, by what the drive puts in, by losses."""
 
 
 def _slow_wave(name: str) -> str:
@@ -109,7 +101,7 @@ class ThermalDrift(Effect):
     title: ClassVar[str] = "thermal drift"
     summary: ClassVar[str] = "zero or stiffness that drifts with time or temperature while the joint warms up"
     equation: ClassVar[str] = (
-        "y += a w, a w y_sim (or a part of it) or both, a w + a2 w2, or w times a sum of its parts,  w = 1 − exp(−t/τ), t, t^p, lagged |y v| or |f v| of the part f with memory, sin(2πt/P) with "
+        "y += a w, a w y_sim (or a part of it) or both, a w + a2 w2, or w times a sum of its parts,  w = 1 − exp(−t/τ), t, lagged |y v| or |f v| of the part f with memory, sin(2πt/P) with "
         "b (cos(2πt/P) − 1), or temperature rise"
     )
     coordinate: ClassVar[str] = "time"
@@ -122,7 +114,6 @@ class ThermalDrift(Effect):
         Parameter("zero_drift_cos", "N·m", -np.inf, np.inf, "b, cosine part of a slow wave of the zero"),
         Parameter("stiffness_drift_cos", "1", -np.inf, np.inf, "b, cosine part of a slow wave of the torque"),
         Parameter("time_constant", "s", 0.0, np.inf, "of warming up"),
-        Parameter("power", "1", 0.3, 3.0, "p of the time over the recording's length"),
         Parameter("period", "s", 0.0, np.inf, "P of a slow wave"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("cyclic_softening", "torque_gain", "torque_offset")
@@ -148,17 +139,11 @@ class ThermalDrift(Effect):
                        times(_warming, _torque), *warming)  # fmt: skip
         rubbed = _form("stiffness, friction heating", f"stiffness_drift * {RUBBED} * y", stiffness,
                        times(_friction_heating, _torque), *heating)  # fmt: skip
-        powers = ("power",), [(0.5,), (1.8,)], [(0.3, 3.0)]
-        soaked = replace(
-            _form("stiffness, power of time", f"stiffness_drift * {BY_POWER} * y", stiffness, times(_by_power, _torque), *powers),
-            borders=(),
-        )  # fmt: skip
         waved = _form("stiffness, slow wave", f"({_slow_wave('stiffness_drift')}) * y", (*stiffness, "stiffness_drift_cos"),
                       times(_wave, _torque), *waves)  # fmt: skip
         made = [
             _form("zero, linear", "zero_drift * t", zero, _warming),
             _form("zero, exponential", f"zero_drift * {EXPONENTIAL}", zero, _warming, *warming),
-            replace(_form("zero, power of time", f"zero_drift * {BY_POWER}", zero, _by_power, *powers), borders=()),
             _form("zero, self-heating", f"zero_drift * {HEATED}", zero, _self_heating, *heating),
             _form("zero, slow wave", _slow_wave("zero_drift"), (*zero, "zero_drift_cos"), _wave, *waves),
             _form("zero, self-heating and warming", f"zero_drift * {HEATED} + zero_drift_idle * {EXPONENTIAL}",
@@ -178,8 +163,6 @@ class ThermalDrift(Effect):
             *inside(rubbed, _friction_heating),
             *inside(warmed, _warming),
             *inside(waved, _wave),
-            soaked,
-            *inside(soaked, _by_power),
         ]  # fmt: skip
         for name, values in s.channels.items():
             if "temp" in name.lower() and np.ptp(values) > 0.0:
