@@ -107,7 +107,9 @@ class SimulatorScene:
     @property
     def strength(self) -> Floats:
         """Change of that part for a relative change of its strength by one at the same stiffness, N·m, shape (n,)."""
-        return self._once("strength", lambda: strength_of(self.emulator.split, motion_of(self.signals)))
+        return self._once(
+            "strength", lambda: strength_of(self.emulator.split, motion_of(self.signals), self.signals.timed)
+        )
 
     def _once(self, name: str, make: Callable[[], Floats]) -> Floats:
         if name not in self._lasting:

@@ -395,14 +395,19 @@ def spring_of(parameters: Mapping[str, Any], x: Floats) -> Floats:
     return np.asarray(curve - np.polynomial.legendre.legval(0.0, elastic) + kinks)
 
 
-def strength_of(parameters: Mapping[str, Any], motion: Motion) -> Floats:
-    """Change of the built-in emulator's output for a relative change by one of the strength of what has memory."""
+def strength_of(parameters: Mapping[str, Any], motion: Motion, timed: bool = True) -> Floats:
+    """Change of the built-in emulator's output for a relative change by one of the strength of what has memory.
+
+    And, where the motion is ``timed``, of friction that knows the speed alone: without a clock it only tells the direction.
+    """
     thresholds, lengths, weights = (np.asarray(parameters[name]) for name in ("thresholds", "lengths", "weights"))
     motion = _as_seen(parameters, motion)
-    further = stronger_of(parameters.get("further", {}), motion)
-    rates = _rates(motion.speed, motion.acceleration, float(parameters["fast"]))[:, -len(STEEPNESS) :]
-    dry = rates @ np.asarray(parameters["rates"])[-len(STEEPNESS) :]
-    return np.asarray(_stronger(motion, thresholds, lengths) @ weights + further + dry)
+    stronger = _stronger(motion, thresholds, lengths) @ weights
+    stronger += stronger_of(parameters.get("further", {}), motion)
+    if timed:
+        signs = _rates(motion.speed, motion.acceleration, float(parameters["fast"]))[:, -len(STEEPNESS) :]
+        stronger += signs @ np.asarray(parameters["rates"])[-len(STEEPNESS) :]
+    return np.asarray(stronger)
 
 
 def _stronger(motion: Motion, thresholds: Floats, lengths: Floats) -> Floats:

@@ -24,7 +24,7 @@ INHERITED = 3
 """Sets of each size whose shapes are tried in smaller sets."""
 HOPEFUL = 0.005
 """Evidence a sample that a further effect must bring for still another to be looked for."""
-GROWN, PAIRS = 6, 3
+GROWN, PAIRS = 4, 4
 """Sets from whose effects pairs grow beside an exact simulator where the likeliest pair is beside a refitted one, and such pairs."""
 IN_COMPANY = 6
 """Steps of refinement of effects beside others."""
