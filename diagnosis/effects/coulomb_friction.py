@@ -8,17 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import (
-    PRESLIDING,
-    DirectionLaw,
-    Effect,
-    Floats,
-    Form,
-    Parameter,
-    Scene,
-    direction_laws,
-    overdone_friction,
-)
+from .base import PRESLIDING, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws, overdone_friction
 
 __all__ = ["CoulombFriction"]
 
@@ -54,9 +44,6 @@ class CoulombFriction(Effect):
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("friction", "N·m", -np.inf, np.inf, "sliding friction; negative where the simulator has too much"),
         Parameter("friction_2", "N·m", 0.0, np.inf, "of a second contact that yields later"),
-        Parameter(
-            "friction_upper", "N·m", 0.0, np.inf, "at the largest deflection, of a bearing that runs harder there"
-        ),
         *PRESLIDING,
         Parameter("inequality", "1", -0.2, 0.2, "half the relative difference between the directions"),
         Parameter("elastic_presliding_2", "rad", 0.0, np.inf, "of the second contact"),

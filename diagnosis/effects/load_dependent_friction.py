@@ -45,7 +45,7 @@ def _efficiency(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Float
     return columns
 
 
-def _by_power(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
+def _degressive(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
     """Contacts that flatten: friction grows less than the load."""
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -107,7 +107,7 @@ class LoadDependentFriction(Effect):
                      _efficiency(law), (0.0,) * 2, (np.inf,) * 2, (law.parameter,), (), [law.limits], simple,
                      equation="y += where(y * s > 0, friction_coefficient, friction_coefficient_back) * abs(y) * s,  "
                      f"s = {law.equation}"),
-                Form(f"by a power of torque, {law.name}", ("friction_coefficient",), _by_power(law), (0.0,), (np.inf,),
+                Form(f"by a power of torque, {law.name}", ("friction_coefficient",), _degressive(law), (0.0,), (np.inf,),
                      (law.parameter, "power"), (), [law.limits, (0.4, 1.0)], simple, lambda shape, _: (*shape, 0.8), borders=[NOT, LOW],
                      equation=f"y += friction_coefficient * abs(y)**power * {law.equation}"),
                 Form(f"by elastic torque, {law.name}", ("friction_coefficient",), _columns(law, lambda scene: scene.spring), (0.0,), (np.inf,),
