@@ -110,6 +110,10 @@ def _smooth(x, length, exponent, share, out):
                 # No step across zero, where a power need not be smooth.
                 h, c = min(h, -q), back
             k1 = 1.0 - c * abs(q) ** exponent
+            if abs(k1) * left < SETTLED:
+                # It slides, or hardly moves.
+                q += k1 * left
+                break
             k2 = 1.0 - c * abs(q + 0.5 * h * k1) ** exponent
             k3 = 1.0 - c * abs(q + 0.5 * h * k2) ** exponent
             k4 = 1.0 - c * abs(q + h * k3) ** exponent
