@@ -70,17 +70,34 @@ class Emulator:
 
 
 class SimulatorScene:
-    """What effects look at: the signals, the torque so far and the simulator's answer to another input."""
+    """What effects look at: the signals, the torque so far and the simulator's answer to another input.
+
+    Without ``emulator`` one is identified as soon as an effect asks for what it knows; many do not.
+    """
 
     def __init__(
-        self, signals: Signals, emulator: Emulator, torque: Floats | None = None, base: Floats | None = None
+        self,
+        signals: Signals,
+        emulator: Emulator | None = None,
+        torque: Floats | None = None,
+        base: Floats | None = None,
     ) -> None:
         self.signals = signals
-        self.emulator = emulator
         self.torque = signals.y_sim if torque is None else torque
-        self._base = emulator.predict(signals.x) if base is None else base
         self._remembered: OrderedDict[Hashable, Floats] = OrderedDict()
-        self._lasting: dict[str, Floats] = {}
+        self._lasting: dict[str, Any] = {
+            name: given for name, given in (("emulator", emulator), ("base", base)) if given is not None
+        }
+
+    @property
+    def emulator(self) -> Emulator:
+        """How the simulator answers to another input."""
+        return self._once("emulator", lambda: emulate(self.signals, None))
+
+    @property
+    def _base(self) -> Floats:
+        """The emulated output for the recorded input, N·m, shape (n,)."""
+        return self._once("base", lambda: self.emulator.predict(self.signals.x))
 
     def torque_change(self, x: Floats) -> Floats:
         """Change of the simulator's output if its input were ``x`` (n,), N·m."""
@@ -111,7 +128,7 @@ class SimulatorScene:
             "strength", lambda: strength_of(self.emulator.split, motion_of(self.signals), self.signals.timed)
         )
 
-    def _once(self, name: str, make: Callable[[], Floats]) -> Floats:
+    def _once(self, name: str, make: Callable[[], Any]) -> Any:
         if name not in self._lasting:
             self._lasting[name] = make()
         return self._lasting[name]
@@ -129,7 +146,7 @@ class SimulatorScene:
 
     def with_torque(self, torque: Floats) -> SimulatorScene:
         """The same scene after effects that changed the torque."""
-        scene = SimulatorScene(self.signals, self.emulator, torque, self._base)
+        scene = SimulatorScene(self.signals, torque=torque)
         scene._lasting = self._lasting
         return scene
 

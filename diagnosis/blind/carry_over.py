@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..diagnosis import Diagnosis
-from ..emulation import SimulatorScene, emulate
+from ..emulation import SimulatorScene
 from ..heldout import closed_share
 from ..names import MISCALIBRATION, UNKNOWN
 from ..signals import Floats, Signals
@@ -21,7 +21,7 @@ def named_effects(found: Diagnosis) -> list[str]:
 def signal_on(found: Diagnosis, time: Floats, x: Floats, y_sim: Floats) -> Floats:
     """What the identified effects add to the simulator's output ``y_sim`` along another motion, N·m, shape (n,)."""
     target = Signals(time, x, y_sim, y_sim, [slice(0, x.size)], {})
-    return found.choice.hypothesis.signal_on(SimulatorScene(target, emulate(target, None)))
+    return found.choice.hypothesis.signal_on(SimulatorScene(target))
 
 
 def predicted_closed(found: Diagnosis, signal: Floats) -> float:
