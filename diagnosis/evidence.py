@@ -16,7 +16,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from .effects.base import INPUT, SENSOR, TORQUE, Effect, Form
 from .emulation import SimulatorScene
@@ -310,11 +309,11 @@ class Evidence:
         return bool(hypothesis.terms) and is_refitted(hypothesis.scale) and not self.fitted
 
     @functools.cached_property
-    def _fewer(self) -> Evidence | None:
-        """The same on some thousand samples spread over the recording, which are enough to place a shape; None if all are."""
+    def fewer(self) -> Evidence:
+        """The same on some thousand samples spread over the recording, which are enough to place a shape."""
         step = self.size // ENOUGH
         if step < 2:
-            return None
+            return self
         rows = np.zeros_like(self.rows)
         rows[np.flatnonzero(self.rows)[::step]] = True
         return Evidence(self.scene, rows, self.fitted)
@@ -357,6 +356,16 @@ class Evidence:
         turned = shrunk.transpose(0, 2, 1)
         return gram - turned @ shrunk, moment - (turned @ beside.gap[:, :, None])[:, :, 0], beside.energy
 
+    def taken(self, inside: Floats, scale: Scale) -> tuple[Floats, Floats, float]:
+        """What a refit at a scale takes, from tangent components ``inside`` (m, k) of columns.
+
+        Rows (k, m) whose products are to be taken from the columns' products, what is to be taken from their moments (k,), and
+        what is left of the gap's energy.
+        """
+        beside = self._beside((scale,))
+        rows = np.ascontiguousarray((beside.modes @ inside).T)
+        return rows, rows @ beside.gap[0], float(beside.energy[0])
+
     def _beside(self, scales: tuple[Scale, ...]) -> _Beside:
         """The simulators of these scales, stacked."""
         if scales not in self._stacked:
@@ -368,12 +377,13 @@ class Evidence:
         return self._stacked[scales]
 
     def whitened(self, series: Floats, scale: Scale) -> Floats:
-        """V^(−1/2) applied to ``series`` (n,)."""
+        """V^(−1/2) applied to ``series``, shape (n,) or (n, k)."""
         absorbed, rotation = self.shrink(scale)
         if not np.any(absorbed):
             return series
         root = 1.0 - np.sqrt(1.0 - absorbed)
-        return series - self._basis @ (rotation @ (root * (rotation.T @ (self._basis.T @ series))))
+        modes = rotation.T @ (self._basis.T @ series)
+        return series - self._basis @ (rotation @ (root * modes.T).T)
 
     def absorbed(self, residual: Floats, scale: Scale) -> Floats:
         """What the refitted simulator takes of ``residual`` (over this fit's rows), on every sample, shape (n,)."""
@@ -410,7 +420,7 @@ class Evidence:
 
         unknowns = count_unknowns(ordered)
         found = beside_each(effect_columns(self.scene, ordered))
-        if any(ORDER[term.effect.acts_on] > 0 for term in ordered[1:]):
+        if are_seen_by_others(ordered):
             # The first pass takes the effects as independent, the second lets later ones act on what earlier ones made:
             # beside a refitted simulator, and beside an exact one, where that may be quite another torque.
             kinds = ([h for h in found if is_refitted(h.scale) == refitted] for refitted in (False, True))
@@ -419,58 +429,6 @@ class Evidence:
             found = [max(of_scale, key=lambda h: h.score) for of_scale in zip(*passes, strict=True)]
         best = max(found, key=lambda h: h.score)
         best.by_scale = {h.scale: h.score for h in found}
-        return best
-
-    def refine(self, start: Hypothesis, evaluations: int = 10, scales: Sequence[Scale] = ()) -> Hypothesis:
-        """Move the shapes to their best values, coefficients profiled out; then choose again among ``scales``."""
-        slots = [(i, j) for i, term in enumerate(start.terms) for j in range(len(term.shape))]
-        if not slots:
-            return start
-        low = np.array([start.terms[i].form.limits[j][0] for i, j in slots])
-        high = np.array([start.terms[i].form.limits[j][1] for i, j in slots])
-        flipped = high <= 0.0
-        by_ratio = np.array([start.terms[i].form.by_ratio[j] for i, j in slots])
-        first = np.array([start.terms[i].shape[j] for i, j in slots])
-
-        def encode(values: Floats) -> Floats:
-            return np.where(by_ratio, np.log(np.where(by_ratio, np.abs(values), 1.0)), values)
-
-        def decode(values: Floats) -> Floats:
-            return np.where(by_ratio, np.exp(np.where(by_ratio, values, 0.0)) * np.where(flipped, -1.0, 1.0), values)
-
-        ends = np.sort(np.stack([encode(low), encode(high)]), axis=0)
-
-        def terms_at(values: Floats) -> tuple[Term, ...]:
-            shapes = [list(term.shape) for term in start.terms]
-            for (i, j), value in zip(slots, decode(values), strict=True):
-                shapes[i][j] = float(value)
-            return tuple(Term(t.effect, t.form, tuple(s), t.laws) for t, s in zip(start.terms, shapes, strict=True))
-
-        fewer = self._fewer or self
-
-        def left(values: Floats) -> Floats:
-            fitted = fewer.fit(terms_at(values), (start.scale,))
-            return fewer.whitened(fewer.gap - fitted.signal[fewer.rows], start.scale) / self.sigma
-
-        inside = np.clip(encode(first), ends[0] + 1e-9, ends[1] - 1e-9)
-        found = least_squares(
-            left, inside, bounds=(ends[0], ends[1]), diff_step=np.full(first.size, 3e-3), max_nfev=evaluations, xtol=1e-3, ftol=1e-4,
-            x_scale=np.maximum(0.2 * (ends[1] - ends[0]), 1e-12),
-        )  # fmt: skip
-        better = self.fit(terms_at(found.x), scales)
-        return better if better.score > start.score else start
-
-    def refine_anyhow(self, terms: Sequence[Term], evaluations: int = 10) -> Hypothesis:
-        """Refine beside the likeliest simulator, and where that is a refitted one also beside an exact one.
-
-        A refitted simulator makes up for wrong shapes, so that they would not move to where it is not needed.
-        """
-        start = self.fit(terms)
-        best = self.refine(start, evaluations)
-        if start.scale not in self.exact and any(term.shape for term in start.terms):
-            beside = max(self.exact, key=lambda scale: start.by_scale[scale])
-            found = self.fit(self.refine(self.fit(terms, (beside,)), evaluations, (beside,)).terms)
-            best = max(best, found, key=lambda hypothesis: hypothesis.score)
         return best
 
 
@@ -489,7 +447,14 @@ def effect_columns(scene: SimulatorScene, terms: Sequence[Term], guess: Floats |
             # A search moves one shape at a time: the other terms' columns are there already.
             key = (term.effect.id, term.form.name, term.shape)
             made.append(scene.remembered(key, functools.partial(term.form.columns, scene, term.shape)))
+    if len(made) == 1:
+        return made[0]
     return np.hstack(made) if made else np.empty((torque.size, 0))
+
+
+def are_seen_by_others(terms: Sequence[Term]) -> bool:
+    """Whether some of the terms, in their order, act on what those before made."""
+    return any(ORDER[term.effect.acts_on] > 0 for term in terms[1:])
 
 
 def count_unknowns(terms: Sequence[Term]) -> int:

@@ -15,6 +15,7 @@ from .diagnosis import Diagnosis
 from .emulation import SimulatorScene, emulate
 from .evidence import Evidence, Hypothesis, is_refitted, trusted
 from .names import MISCALIBRATION
+from .refinement import refine
 from .rivals import SAME_BY_EYE, is_weighed_rightly
 from .signals import Signals
 
@@ -179,10 +180,10 @@ def _brought(found: Diagnosis, scene: SimulatorScene, true: str, false: str) -> 
     noise = found.noise_floor * np.random.default_rng(found.seed).standard_normal(planned.x.size)
     recorded = replace(planned, y_real=planned.y_sim + truth.signal_on(scene) + noise)
     evidence = Evidence(SimulatorScene(recorded, scene.emulator))
-    own = evidence.refine(evidence.fit(truth.terms)).score
+    own = refine(evidence, evidence.fit(truth.terms)).score
     if rival is None:
         return own - evidence.fit((), tuple(scale for scale in evidence.scales if is_refitted(scale))).score
-    return own - evidence.refine(evidence.fit(rival.terms)).score
+    return own - refine(evidence, evidence.fit(rival.terms)).score
 
 
 def _with(found: Diagnosis, name: str) -> Hypothesis | None:

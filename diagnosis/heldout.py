@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from .evidence import Evidence, Hypothesis
 from .operators import rms
+from .refinement import refine
 
 __all__ = ["HeldOut", "closed_share", "held_out"]
 
@@ -87,7 +88,7 @@ def held_out(evidence: Evidence, hypothesis: Hypothesis, evaluations: int = 4) -
         part = evidence.on(seen)
         fitted = part.fit(hypothesis.terms, (hypothesis.scale,))
         if evaluations:
-            fitted = part.refine(fitted, evaluations, (hypothesis.scale,))
+            fitted = refine(part, fitted, evaluations, (hypothesis.scale,))
         # What happened in the blocks held out alone cannot be known from the others: nothing is predicted of it.
         power = np.mean(np.square(fitted.columns), axis=0)
         unseen = np.mean(np.square(fitted.columns[seen]), axis=0) < UNSEEN * power

@@ -8,8 +8,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from .adequacy import left_by
 from .effects.base import Effect, Form
 from .evidence import Evidence, Hypothesis, Scale, Term, boxed_least_squares, count_unknowns, is_refitted
+from .refinement import refine, refine_anyhow
 
 __all__ = ["Library", "search"]
 
@@ -18,6 +20,12 @@ ALONE, ALIKE = 18, 4
 """Laws with shapes to move that are refined alone, and how many laws of one effect are."""
 FAR = 1.0
 """Evidence a sample by which an effect alone may fall behind another for its further laws to be tried."""
+NEAR = 0.2
+"""The same where that other leaves nothing: then laws matter only of what may do as well."""
+DETAIL = 0.01
+"""Relative error of a simulator's parameters that is none."""
+NOTHING = 0.15
+"""Structure over the noise that is none: what a further effect could still bring is half of what company costs."""
 EXACT = 8
 """Laws that are also refined beside an exact simulator, at most two of an effect."""
 INHERITED = 3
@@ -81,7 +89,7 @@ class Library:
         self._gram = matrix.T @ matrix
         self._moment = matrix.T @ evidence.gap
         self._inside = evidence.inside(matrix)
-        self._by_scale: dict[Scale, tuple[Floats, Floats, float]] = {}
+        self._taken: dict[Scale, tuple[Floats, Floats, float]] = {}
 
     def add(self, terms: Sequence[Term]) -> tuple[int, ...]:
         """Take in terms with refined shapes and return their numbers, so that sets can grow from them.
@@ -103,20 +111,25 @@ class Library:
         self._gram = np.block([[self._gram, across], [across.T, new.T @ new]])
         self._moment = np.concatenate([self._moment, new.T @ self.evidence.gap])
         self._inside = np.hstack([self._inside, self.evidence.inside(new)])
-        self._by_scale.clear()
+        self._taken.clear()
         return tuple(numbers)
 
     def close(self) -> None:
         """Let go of the columns, which take most memory; their products stay, and no term can be taken in any more."""
         self._blocks.clear()
-        self._by_scale.clear()
+        self._taken.clear()
 
     def moments(self, scale: Scale) -> tuple[Floats, Floats, float]:
         """Whitened Gram matrix, moments and energy at a scale of parameter errors."""
-        if scale not in self._by_scale:
-            gram, moment, energy = self.evidence.reduced(self._gram, self._moment, self._inside, [scale])
-            self._by_scale[scale] = gram[0], moment[0], float(energy[0])
-        return self._by_scale[scale]
+        gram, moment, energy = self.evidence.reduced(self._gram, self._moment, self._inside, [scale])
+        return gram[0], moment[0], float(energy[0])
+
+    def _taken_at(self, scale: Scale) -> tuple[Floats, Floats, float]:
+        """What a refit takes of each column, shape (k, m), and what stays of the moments (k,) and of the energy."""
+        if scale not in self._taken:
+            of_columns, of_moments, energy = self.evidence.taken(self._inside, scale)
+            self._taken[scale] = of_columns, self._moment - of_moments, energy
+        return self._taken[scale]
 
     def extend(self, base: Sequence[int], scales: Sequence[Scale], only: str | None = None) -> list[_Scored]:
         """The best set made of ``base`` (term numbers) and one more term, for each law of each further effect.
@@ -145,11 +158,13 @@ class Library:
             upper = np.array([*(v for t in base_terms for v in t.form.upper), *first.form.upper])
             unknowns = count_unknowns([*base_terms, first])
             best = np.full(len(chosen), -np.inf)
+            gram = self._gram[index[:, :, None], index[:, None, :]]
             for scale in scales:
-                gram, moment, energy = self.moments(scale)
-                _, reduction = boxed_least_squares(
-                    gram[index[:, :, None], index[:, None, :]], moment[index], lower, upper
-                )
+                of_columns, moment, energy = self._taken_at(scale)
+                # Of the whole matrix little is asked for.
+                taken_here = of_columns[index]
+                left = gram - taken_here @ taken_here.transpose(0, 2, 1)
+                _, reduction = boxed_least_squares(left, moment[index], lower, upper)
                 rss = np.maximum(energy - reduction, 1e-12 * self.evidence.gap_energy)
                 best = np.maximum(best, self.evidence.score(rss[:, None], [scale], unknowns)[:, 0])
             scores[chosen] = best
@@ -195,14 +210,15 @@ def search(library: Library, wide: int = 9, most: int = 3) -> list[Hypothesis]:
             # The best laws of an effect are refined, the others cannot overtake all.
             ranked, count = _worth_refining(library, ranked)
         refined: dict[frozenset[str], tuple[Hypothesis, tuple[int, ...]]] = {}
-        best_so_far = -np.inf
+        leading, far = found[0], FAR
         for _, numbers in ranked[:count]:
             # Sets grow from refined shapes: these need fewer steps.
-            fitted = evidence.refine_anyhow([library.terms[k] for k in numbers], 10 if size == 1 else IN_COMPANY)
+            fitted = _refined(evidence, [library.terms[k] for k in numbers])
             made = [fitted]
-            best_so_far = max(best_so_far, fitted.score)
+            if fitted.score > leading.score:
+                leading, far = fitted, NEAR if size == 1 and _leaves_nothing(evidence, fitted) else FAR
             # An effect that explains far less needs another before its law matters.
-            if size == 1 and fitted.score > best_so_far - FAR * evidence.effective:
+            if size == 1 and fitted.score > leading.score - far * evidence.effective:
                 made += [*_successors(evidence, fitted), *_siblings(evidence, fitted)]
             for better in made:
                 _keep(refined, better, numbers)
@@ -234,6 +250,8 @@ def search(library: Library, wide: int = 9, most: int = 3) -> list[Hypothesis]:
         found += [fitted for fitted, _ in ordered]
         if size > 1 and ordered[0][0].score - best_of_smaller < HOPEFUL * evidence.effective:
             break
+        if size == 1 and (_leaves_nothing(evidence, found[0]) or _leaves_nothing(evidence, ordered[0][0])):
+            break
         best_of_smaller = ordered[0][0].score
         if size < most:
             grown = [term for fitted, _ in ordered[:wide] for term in fitted.terms]
@@ -244,6 +262,18 @@ def search(library: Library, wide: int = 9, most: int = 3) -> list[Hypothesis]:
         if hypothesis.names in exact:
             hypothesis.beside_exact = evidence.fit(exact[hypothesis.names].terms, evidence.exact)
     return found
+
+
+def _refined(evidence: Evidence, terms: Sequence[Term]) -> Hypothesis:
+    """The terms with their shapes refined; of single effects beside an exact simulator only some are, see :func:`_beside_exact`."""
+    if len(terms) > 1:
+        return refine_anyhow(evidence, terms, IN_COMPANY)
+    return refine(evidence, evidence.fit(terms), 10)
+
+
+def _leaves_nothing(evidence: Evidence, hypothesis: Hypothesis) -> bool:
+    """Whether a simulator that is exact to the last detail leaves nothing beside it that could have a cause."""
+    return max(hypothesis.scale) <= DETAIL and left_by(evidence, hypothesis) < NOTHING
 
 
 def _worth_refining(library: Library, ranked: Sequence[_Scored]) -> tuple[list[_Scored], int]:
@@ -285,7 +315,7 @@ def _beside_exact(library: Library) -> list[tuple[Hypothesis, tuple[int, ...]]]:
         terms = [library.terms[k] for k in numbers]
         if not terms[0].shape or evidence.fit(terms).scale in exact:
             continue
-        fitted = evidence.refine(evidence.fit(terms, exact), 10, exact)
+        fitted = refine(evidence, evidence.fit(terms, exact), 10, exact)
         made += [(better, numbers) for better in (evidence.fit(fitted.terms), *_successors(evidence, fitted))]
     return made
 
@@ -310,7 +340,7 @@ def _pairs_beside_exact(
     made = []
     for numbers in list(pairs.values())[:PAIRS]:
         start = evidence.fit([library.terms[k] for k in numbers], evidence.exact)
-        fitted = evidence.fit(evidence.refine(start, IN_COMPANY, evidence.exact).terms)
+        fitted = evidence.fit(refine(evidence, start, IN_COMPANY, evidence.exact).terms)
         made += [(better, numbers) for better in (fitted, *_siblings(evidence, fitted))]
     return made
 
@@ -336,7 +366,7 @@ def _with_shapes_of_larger(
                 if fewer.names not in best:
                     continue
                 if fewer.score > best[fewer.names].score:
-                    best[fewer.names] = evidence.refine(fewer)
+                    best[fewer.names] = refine(evidence, fewer)
                 if size > 2 and hypothesis is larger[0]:
                     # What is dropped may only have made up for the law of another.
                     for better in _siblings(evidence, best[fewer.names], 2):
@@ -356,7 +386,7 @@ def _successors(evidence: Evidence, fitted: Hypothesis) -> list[Hypothesis]:
             if term.form.name in form.refines:
                 shape = form.start(term.shape, coefficients) if form.start else term.shape
                 terms = _with_law(fitted, k, form, shape)
-                made.append(evidence.refine_anyhow(terms, 10 if len(terms) == 1 else IN_COMPANY))
+                made.append(_refined(evidence, terms))
     return made
 
 
@@ -398,7 +428,7 @@ def _best_sibling(evidence: Evidence, fitted: Hypothesis, k: int, tried: int) ->
         others.append(evidence.fit(_with_law(fitted, k, form, term.shape)))
     near = [other for other in others if other.score >= fitted.score - AT_FIRST * evidence.effective]
     near = sorted(near, key=lambda hypothesis: -hypothesis.score)[:tried]
-    refined = (evidence.refine_anyhow(other.terms, IN_COMPANY) for other in near)
+    refined = (_refined(evidence, other.terms) for other in near)
     return max(refined, key=lambda hypothesis: hypothesis.score, default=None)
 
 
@@ -419,7 +449,7 @@ def _other_laws(library: Library, fitted: Hypothesis) -> list[Hypothesis]:
             for _, numbers in sorted(laws, reverse=True)[:count]:
                 tried.setdefault(library.terms[numbers[-1]].form.name, numbers)
         for numbers in tried.values():
-            other = evidence.refine_anyhow([library.terms[number] for number in numbers], IN_COMPANY)
+            other = _refined(evidence, [library.terms[number] for number in numbers])
             made.append(other)
             if other.score > fitted.score - NEARLY * evidence.effective:
                 made += _successors(evidence, other)

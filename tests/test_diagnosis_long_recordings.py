@@ -15,6 +15,7 @@ from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.evidence import Evidence, Term
 from hystbench.diagnosis.heldout import closed_share, held_out
+from hystbench.diagnosis.refinement import refine
 from hystbench.diagnosis.signals import Signals
 
 Floats = NDArray[np.float64]
@@ -142,7 +143,7 @@ def test_softening_by_the_logarithm_of_half_cycles_is_named() -> None:
     scene, exact = scene_of(signals(time, x, joint(x) * (1.0 - 0.06 * np.log1p(count / 3.0)))), ((0.0, 0.0),)
     evidence = Evidence(scene)
     start = evidence.fit((term(scene, "cyclic_softening", "logarithm of reversals", (8.0,)),), exact)
-    named = evidence.refine(start, 20, exact).parameters("cyclic_softening")
+    named = refine(evidence, start, 20, exact).parameters("cyclic_softening")
     assert named["softening"] == pytest.approx(0.06, rel=0.1)
     assert named["reversals_constant"] == pytest.approx(3.0, rel=0.25)
 

@@ -14,6 +14,7 @@ from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.evidence import Evidence, Term
 from hystbench.diagnosis.precision import intervals, told
+from hystbench.diagnosis.refinement import refine
 from hystbench.diagnosis.signals import Signals
 
 Floats = NDArray[np.float64]
@@ -53,7 +54,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(noise) -> None:  # type: 
         recorded = signals(real, noise(np.random.default_rng(draw)))
         evidence = Evidence(SimulatorScene(recorded, emulate(recorded, None)))
         form = next(form for form in effect.forms(evidence.scene) if form.name == "power law")
-        fitted = evidence.refine(evidence.fit((Term(effect, form, (1.0,)),), evidence.exact), 20, evidence.exact)
+        fitted = refine(evidence, evidence.fit((Term(effect, form, (1.0,)),), evidence.exact), 20, evidence.exact)
         found = intervals(evidence, fitted)["viscous_friction"]
         for name, value in truth.items():
             low, high = found[name] or (-np.inf, np.inf)

@@ -20,11 +20,15 @@ ZEROED, SETTLED = "zero at home", "friction settled at home"
 
 def _error(sizes: Sequence[float], angle: Floats) -> tuple[Floats, Floats]:
     """The periodic error and its derivative by the angle (n,), for sine and cosine of each harmonic in turn in ``sizes``."""
-    turned = np.exp(1j * angle)
-    harmonics = [
-        (k, (q - 1j * p) * turned**k) for k, (p, q) in enumerate(zip(sizes[::2], sizes[1::2], strict=True), start=1)
-    ]
-    return np.real(sum(wave for _, wave in harmonics)), np.real(sum(1j * k * wave for k, wave in harmonics))
+    sine, cosine = np.sin(angle), np.cos(angle)
+    error, steepness = np.zeros_like(angle), np.zeros_like(angle)
+    sine_k, cosine_k = sine, cosine
+    for k, (p, q) in enumerate(zip(sizes[::2], sizes[1::2], strict=True), start=1):
+        if k > 1:
+            sine_k, cosine_k = sine_k * cosine + cosine_k * sine, cosine_k * cosine - sine_k * sine
+        error += p * sine_k + q * cosine_k
+        steepness += k * (p * cosine_k - q * sine_k)
+    return error, steepness
 
 
 def _columns(harmonics: int, home: str = "") -> Columns:

@@ -1,0 +1,127 @@
+"""The shapes of effects' laws moved to their best values, coefficients profiled out.
+
+The residual is a function of the shapes alone: for each of them the best coefficients are found by linear least squares
+(variable projection: Golub & Pereyra, Inverse Problems 19, 2003), its slope in Kaufman's approximation (BIT 15, 1975,
+49-57), for which a shape's derivative is projected off what the coefficients can make.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from .evidence import RIDGE, Evidence, Hypothesis, Scale, Term, are_seen_by_others, effect_columns
+
+__all__ = ["refine", "refine_anyhow"]
+
+Floats = NDArray[np.float64]
+STEP, SHORTEST = 3e-3, 0.02
+"""Step along a shape for its slope, over its size, which counts as this share of its range at least."""
+
+
+def refine(evidence: Evidence, start: Hypothesis, evaluations: int = 10, scales: Sequence[Scale] = ()) -> Hypothesis:
+    """Move the shapes of ``start`` to their best values; then choose again among ``scales``, by default all.
+
+    ``start`` itself where that is no better.
+    """
+    places = _Places(start.terms)
+    if not places.slots:
+        return start
+    profile = _Profile(evidence, start, places)
+    found = least_squares(
+        profile.left, places.first, profile.slopes, bounds=places.ends, max_nfev=evaluations, xtol=1e-3, ftol=1e-4,
+        x_scale=np.maximum(0.2 * places.range, 1e-12),
+    )  # fmt: skip
+    better = evidence.fit(places.terms_at(found.x), scales)
+    return better if better.score > start.score else start
+
+
+def refine_anyhow(evidence: Evidence, terms: Sequence[Term], evaluations: int = 10) -> Hypothesis:
+    """Refine beside the likeliest simulator, and where that is a refitted one also beside an exact one.
+
+    A refitted simulator makes up for wrong shapes, so that they would not move to where it is not needed.
+    """
+    start = evidence.fit(terms)
+    best = refine(evidence, start, evaluations)
+    if start.scale not in evidence.exact and any(term.shape for term in start.terms):
+        beside = max(evidence.exact, key=lambda scale: start.by_scale[scale])
+        found = refine(evidence, evidence.fit(terms, (beside,)), evaluations, (beside,))
+        best = max(best, evidence.fit(found.terms), key=lambda hypothesis: hypothesis.score)
+    return best
+
+
+class _Places:
+    """The shapes of some terms as one vector: those that are lengths, times or speeds by their logarithms."""
+
+    def __init__(self, terms: Sequence[Term]) -> None:
+        self._terms = terms
+        self.slots = [(i, j) for i, term in enumerate(terms) for j in range(len(term.shape))]
+        """Term and shape of each."""
+        low = np.array([terms[i].form.limits[j][0] for i, j in self.slots])
+        high = np.array([terms[i].form.limits[j][1] for i, j in self.slots])
+        self._by_ratio = np.array([terms[i].form.by_ratio[j] for i, j in self.slots], dtype=bool)
+        self._signs = np.where(high <= 0.0, -1.0, 1.0)
+        low, high = self._encoded(low), self._encoded(high)
+        self.ends = np.minimum(low, high), np.maximum(low, high)
+        self.range = self.ends[1] - self.ends[0]
+        first = self._encoded(np.array([terms[i].shape[j] for i, j in self.slots]))
+        self.first = np.clip(first, self.ends[0] + 1e-9, self.ends[1] - 1e-9)
+
+    def _encoded(self, values: Floats) -> Floats:
+        return np.where(self._by_ratio, np.log(np.where(self._by_ratio, np.abs(values), 1.0)), values)
+
+    def terms_at(self, values: Floats) -> tuple[Term, ...]:
+        """The terms with other shapes."""
+        decoded = np.where(self._by_ratio, np.exp(np.where(self._by_ratio, values, 0.0)) * self._signs, values)
+        shapes = [list(term.shape) for term in self._terms]
+        for (i, j), value in zip(self.slots, decoded, strict=True):
+            shapes[i][j] = float(value)
+        return tuple(Term(t.effect, t.form, tuple(s), t.laws) for t, s in zip(self._terms, shapes, strict=True))
+
+
+class _Profile:
+    """What is left as a function of the shapes, over the noise, and its slopes."""
+
+    def __init__(self, evidence: Evidence, start: Hypothesis, places: _Places) -> None:
+        self._evidence, self._scale, self._places = evidence.fewer, start.scale, places
+        self._sigma = evidence.sigma
+        self._at, self._fitted = np.empty(0), start
+
+    def left(self, values: Floats) -> Floats:
+        """Shape (n,), whitened."""
+        fitted = self._fit(values)
+        return self._whitened(self._evidence.gap - fitted.signal[self._evidence.rows])
+
+    def slopes(self, values: Floats) -> Floats:
+        """Shape (n, shapes)."""
+        fitted, rows = self._fit(values), self._evidence.rows
+        guess = fitted.coefficients if are_seen_by_others(fitted.terms) else None
+        columns = fitted.columns if guess is None else effect_columns(self._evidence.scene, fitted.terms, guess)
+        signal = columns @ fitted.coefficients
+        made = np.empty((np.count_nonzero(rows), values.size))
+        for k, value in enumerate(values):
+            step = STEP * max(abs(value), SHORTEST * self._places.range[k])
+            # Towards the farther limit.
+            step = step if 2.0 * value < self._places.ends[0][k] + self._places.ends[1][k] else -step
+            moved = values.copy()
+            moved[k] += step
+            there = effect_columns(self._evidence.scene, self._places.terms_at(moved), guess)
+            made[:, k] = (there @ fitted.coefficients - signal)[rows] / step
+        lower, upper = (np.concatenate([getattr(t.form, end) for t in fitted.terms]) for end in ("lower", "upper"))
+        free = (fitted.coefficients > lower) & (fitted.coefficients < upper)
+        made, basis = self._whitened(made), self._whitened(columns[rows][:, free])
+        gram = basis.T @ basis
+        ridge = RIDGE * np.diag(np.maximum(np.diag(gram), 1e-300))
+        return basis @ np.linalg.solve(gram + ridge, basis.T @ made) - made
+
+    def _fit(self, values: Floats) -> Hypothesis:
+        if not np.array_equal(values, self._at):
+            self._fitted = self._evidence.fit(self._places.terms_at(values), (self._scale,))
+            self._at = values.copy()
+        return self._fitted
+
+    def _whitened(self, series: Floats) -> Floats:
+        return self._evidence.whitened(series, self._scale) / self._sigma
