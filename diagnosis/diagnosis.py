@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from .attribution import Place, locate
-from .effects.base import Effect
+from .effects.base import ELAPSED, TRAVEL, Effect
 from .emulation import SimulatorScene, emulate
 from .evidence import Evidence, Hypothesis
 from .heldout import HeldOut, closed_share, held_out
@@ -42,6 +42,8 @@ FEW = 0.005
 """Part of the recording that knocks must make up to be worth a second look."""
 AS_MUCH = 0.03
 """Share of the gap's energy by which a simpler verdict may close less."""
+CLOCKS = {ELAPSED: "time", TRAVEL: "travel"}
+"""What a slow change goes on with, in words."""
 EXACT = 0.3
 """Structure left over, as a share of the noise, up to which an effect's law is adequate."""
 
@@ -258,6 +260,12 @@ def diagnose(
         else f"{term.effect.title} would explain it, but on this joint another effect that is not known here would look the same"
         for term in choice.images
     ]
+    if choice.clock:
+        by, own = CLOCKS[choice.clock.clock], CLOCKS[choice.clock.term.effect.clock]
+        notes.append(
+            f"{choice.clock.term.effect.title} would explain it, but what changes goes with {by} rather than with {own}: "
+            "another effect, one that is not known here"
+        )
     if choice.factor:
         notes.append(
             f"one factor on the whole torque, {1.0 + choice.factor:.4g}, would close it: no coincidence of several errors of "

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from .adequacy import ALMOST_ALL, emulated, forgiven_here, left_by, left_to_noise
 from .calibration import CONFIDENCE, confidence
+from .clocks import OtherClock, follows_another_clock
 from .evidence import FINE, Evidence, Hypothesis, Term, count_unknowns, is_refitted
 from .heldout import HeldOut, held_out
 from .hum import hum
@@ -108,6 +109,8 @@ class Choice:
     """Share of the samples that stand out and make up the gap; 0 otherwise."""
     images: Sequence[Term] = ()
     """Laws that explain the gap but are images of another effect that is not known here."""
+    clock: OtherClock | None = None
+    """The effect that explains the gap, but goes on with another clock than it should."""
     factor: float = 0.0
     """Relative error of all that the simulator says which alone makes the gap, where no effect known here does that; 0 otherwise."""
 
@@ -258,7 +261,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     )
     verdict = sorted(best.names, key=lambda name: -float(np.mean(np.square(best.part(name)))))
     images: list[Term] = []
-    factor = 0.0
+    factor, clock = 0.0, None
     if miscalibrated and not expected:
         verdict.append(MISCALIBRATION)
     if _nothing(evidence, best, miscalibrated, features):
@@ -268,11 +271,12 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     ):
         verdict = [UNKNOWN]
     elif not evidence.fitted:
-        images = best.images or _imitations(found, best)
+        images = best.images or _imitations(found, best, evidence.recalibration(best) * miscalibrated)
         factor = _one_factor(evidence, found, energy) if verdict == [MISCALIBRATION] else 0.0
-        verdict = [UNKNOWN] if images or factor else verdict
+        clock = follows_another_clock(evidence, best, found)
+        verdict = [UNKNOWN] if images or factor or clock else verdict
     stated = confidence(CONFIDENCE, verdict, features)
-    if images or factor:
+    if images or factor or clock:
         # Little is left over, which says otherwise that the verdict ought to be another.
         stated = max(stated, IMAGED)
     if verdict and verdict != [UNKNOWN] and not evidence.fitted:
@@ -293,17 +297,22 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     return Choice(
         verdict, stated, best, held, miscalibrated, left / gap_power, features,
         posterior, odds, list(field.ranked), recalibration_rivals(evidence, verdict, best, own, found, tempered), tempered,
-        step, frequency, standing_out, images, factor,
+        step, frequency, standing_out, images, clock, factor,
     )  # fmt: skip
 
 
-def _imitations(found: Sequence[Hypothesis], best: Hypothesis) -> list[Term]:
-    """Those of its terms that add no less what another effect would, where none of these is known here to compete."""
+def _imitations(found: Sequence[Hypothesis], best: Hypothesis, recalibration: Floats) -> list[Term]:
+    """Those of its terms that add no less what another effect would, where none of these is known here to compete.
+
+    By themselves, or together with what others and the simulator's ``recalibration`` (n,) make of it.
+    """
     known = set().union(*(hypothesis.names for hypothesis in found))
+    together = best.signal, best.signal + recalibration
     return [
         term
         for term in best.terms
-        if known.isdisjoint(term.effect.image_of) and term.effect.imitates(best.part(term.effect.id))
+        if known.isdisjoint(term.effect.image_of)
+        and any(term.effect.imitates(signal) for signal in (best.part(term.effect.id), *together))
     ]
 
 

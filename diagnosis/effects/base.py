@@ -18,6 +18,8 @@ from ..operators import rms
 from ..signals import Signals
 
 __all__ = [
+    "CLOCKS",
+    "ELAPSED",
     "HIGH",
     "INPUT",
     "LOW",
@@ -27,6 +29,7 @@ __all__ = [
     "SENSOR",
     "SETTLING",
     "TORQUE",
+    "TRAVEL",
     "Columns",
     "DirectionLaw",
     "Effect",
@@ -48,6 +51,8 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 INPUT, TORQUE, SENSOR = "input", "torque", "sensor"
+CLOCKS = ELAPSED, TRAVEL = "elapsed", "travel"
+"""What only grows in a recording, as :class:`~hystbench.diagnosis.signals.Signals` calls it."""
 AT_BORDER = 0.04
 """Part of the way between a shape's limits from where it counts as having run to one."""
 LOW, HIGH, NOT = (True, False), (False, True), (False, False)
@@ -191,6 +196,9 @@ class Effect:
     """Simpler effects that are special cases: where they do nearly as well, they are named instead."""
     image_of: ClassVar[tuple[str, ...]] = ()
     """Effects of which its laws are images where their shapes run to a border, or where it imitates them."""
+
+    clock: ClassVar[str] = ""
+    """The one of ``CLOCKS`` with which it goes on, if its laws say how."""
 
     def is_degenerate(self, parameters: dict[str, float], scene: Scene) -> bool:
         """Whether the fitted parameters make this effect a simpler one, on the recording of ``scene``."""

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import Columns, Effect, Floats, Form, Parameter, Scene, geometric, inside
+from .base import TRAVEL, Columns, Effect, Floats, Form, Parameter, Scene, geometric, inside
 
 __all__ = ["CyclicSoftening"]
 
@@ -77,6 +77,7 @@ class CyclicSoftening(Effect):
         "travel^p, 1 − exp(−∫|y dx|/W), the same of the losses, or 1 − exp(−reversals/N), log(1 + reversals/N)"
     )
     coordinate: ClassVar[str] = "travel"
+    clock: ClassVar[str] = TRAVEL
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("softening", "1 (1/rad^p for a power)", 0.0, np.inf, "relative loss in the limit, or per travel"),
         Parameter(

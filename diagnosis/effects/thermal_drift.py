@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import LOW, PARTS, Columns, Effect, Floats, Form, Parameter, Scene, geometric, inside, times
+from .base import ELAPSED, LOW, PARTS, Columns, Effect, Floats, Form, Parameter, Scene, geometric, inside, times
 
 __all__ = ["ThermalDrift"]
 
@@ -105,6 +105,7 @@ class ThermalDrift(Effect):
         "b (cos(2πt/P) − 1), or temperature rise"
     )
     coordinate: ClassVar[str] = "time"
+    clock: ClassVar[str] = ELAPSED
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("zero_drift", "N·m, N·m/s, N·m/W or N·m/K", -np.inf, np.inf, "drift of the zero"),
         Parameter("zero_drift_idle", "N·m", -np.inf, np.inf, "part of it by what heats all the time"),

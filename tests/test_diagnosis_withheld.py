@@ -1,0 +1,56 @@
+"""What an effect that is not known here does is not blamed on one that would do nearly the same."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from joints import sliders
+from motions import swelling
+from numpy.typing import NDArray
+
+from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
+from hystbench.diagnosis.signals import Signals
+
+Floats = NDArray[np.float64]
+NOISE = 0.012
+TIME, X = swelling()
+TRAVEL = np.cumsum(np.abs(np.diff(X, prepend=X[0])))
+SLOWLY = {
+    "cyclic_softening": TRAVEL / TRAVEL[-1],
+    "thermal_drift": TIME / TIME[-1],
+}
+"""What each goes on with, from 0 to 1."""
+CLOCK = {"cyclic_softening": "travel", "thermal_drift": "time"}
+
+
+def joint(x: Floats) -> Floats:
+    return 4.0 * x + 0.6 * x**3 + sliders(x, ((6.0, 0.12), (2.0, 0.15), (0.8, 0.16)))
+
+
+def diagnosed(y_real: Floats, exclude: tuple[str, ...] = ()) -> Diagnosis:
+    noise = NOISE * np.random.default_rng(3).standard_normal(X.size)
+    return diagnose(Signals(TIME, X, y_real + noise, joint(X), [slice(0, X.size)], {}), exclude=exclude)
+
+
+def weakened(effect: str) -> Floats:
+    """A joint that loses more and more of its torque, with the clock of one effect."""
+    return joint(X) * (1.0 - 0.12 * (1.0 - np.exp(-2.0 * SLOWLY[effect])))
+
+
+@pytest.mark.parametrize(
+    ("effect", "other"), [("cyclic_softening", "thermal_drift"), ("thermal_drift", "cyclic_softening")]
+)
+def test_wear_is_no_drift_and_drift_no_wear_where_only_one_of_them_is_known(effect: str, other: str) -> None:
+    withheld = diagnosed(weakened(effect), (effect,))
+    assert withheld.verdict == ["unknown"]
+    assert any(f"goes with {CLOCK[effect]} rather than with {CLOCK[other]}" in note for note in withheld.notes)
+    # The one that is there is named also where the other is known not to be.
+    assert diagnosed(weakened(effect), (other,)).verdict == [effect]
+    assert diagnosed(weakened(effect)).verdict == [effect]
+
+
+def test_an_offset_of_the_torque_is_not_blamed_on_two_errors_of_the_deflection_that_make_it_up_together() -> None:
+    withheld = diagnosed(joint(X) + 0.15, ("torque_offset",))
+    assert withheld.verdict == ["unknown"]
+    assert len(withheld.choice.hypothesis.names) > 1
+    assert diagnosed(joint(X) + 0.15).verdict == ["torque_offset"]
