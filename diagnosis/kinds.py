@@ -17,7 +17,19 @@ from numpy.typing import NDArray
 
 from .masses import sliding
 from .motion import Extent, Motion
-from .operators import dashed, hardening, hyperbolic, leaky, lowpass, pinched, plays, smooth, yielding
+from .operators import (
+    attracted,
+    dashed,
+    enveloped,
+    hardening,
+    hyperbolic,
+    leaky,
+    lowpass,
+    pinched,
+    plays,
+    smooth,
+    yielding,
+)
 
 __all__ = ["ELASTIC", "KINDS", "KINKS", "MEMORY", "RATE", "Kind"]
 
@@ -57,6 +69,10 @@ class Kind:
         Which sizes stay where they are until all elements are there: with all at once the way there is easily lost.
     by_speed : bool
         Whether it knows the speed, sharply enough to tell how that was made of the deflection.
+    all_along : bool
+        Whether it changes on the way as well, and not only by where the motion turns.
+    last : bool
+        Whether it resembles so many others, by few sizes, that it is asked last: they would not be clearly better.
     """
 
     part: str
@@ -69,6 +85,8 @@ class Kind:
     limits: Callable[[Extent], Floats] | None = None
     later: Sequence[int] = ()
     by_speed: bool = False
+    all_along: bool = False
+    last: bool = False
 
     def torque(self, motion: Motion, sizes: Floats, weights: Floats) -> Floats:
         """Torque of all elements of these sizes and weights, N·m, shape (n,)."""
@@ -103,6 +121,11 @@ def _kink(motion: Motion, place: float) -> Floats:
     return np.asarray(np.maximum(motion.x - place, 0.0) if place > 0.0 else np.minimum(motion.x - place, 0.0))
 
 
+def _leaves(motion: Motion, length: float, back: float, growth: float) -> Floats:
+    """Friction between leaves, which are pressed together the more the farther they are bent."""
+    return length * motion.from_rest(enveloped, length=length, back=back, growth=growth)
+
+
 def _rubber(motion: Motion, length: float) -> Floats:
     return length * motion.from_rest(hyperbolic, length=length)
 
@@ -118,6 +141,12 @@ def _stribeck(motion: Motion, length: float, pace: float, excess: float, damping
     return length * bristle + damping * bending
 
 
+def _slipping(motion: Motion, length: float, pace: float, excess: float, settling: float) -> Floats:
+    """A Maxwell slip element that holds at a level which falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1."""
+    level = 1.0 + excess * np.exp(-np.square(motion.speed / pace))
+    return motion.from_rest(lambda x, time, level: attracted(time, x, level, length, settling), motion.time, level)
+
+
 def _by_speed(motion: Motion, pace: float, corner: float, ahead: float) -> Floats:
     """A sign of the speed that grows linearly up to ``pace`` (rad/s), its corners there rounded over ``corner`` of it.
 
@@ -131,12 +160,13 @@ def _by_speed(motion: Motion, pace: float, corner: float, ahead: float) -> Float
     return np.asarray(0.5 * corner * (beyond - before))
 
 
-def _by_speed_and_side(motion: Motion, pace: float, ahead: float, width: float) -> Floats:
+def _by_speed_and_side(motion: Motion, pace: float, ahead: float, width: float, late: float) -> Floats:
     """A sign of the speed that is smooth over ``pace`` (rad/s) and turns earlier on the way back from either side.
 
-    By ``ahead`` of that, smooth over ``width`` (rad) about the middle.
+    By ``ahead`` of that, smooth over ``width`` (rad) about the middle; it follows with the time constant ``late``, s.
     """
-    return np.asarray(np.tanh(motion.speed / pace + ahead * np.tanh(motion.x / width)))
+    sign = np.tanh(motion.speed / pace + ahead * np.tanh(motion.x / width))
+    return np.concatenate([lowpass(motion.time[run], sign[run], late) for run in motion.runs])
 
 
 def _lag(motion: Motion, constant: float) -> Floats:
@@ -152,6 +182,11 @@ def _plays(motion: Motion, half_widths: Floats) -> tuple[Floats, NDArray[np.intp
 def _stops(motion: Motion, sizes: Floats) -> Floats:
     played, which = _plays(motion, sizes[:, 0])
     return np.asarray(motion.path[:, None] - played[:, which])
+
+
+def _stronger_at_rest(motion: Motion, sizes: Floats) -> Floats:
+    """Stops times what falls with the speed by a pace (rad/s)."""
+    return _stops(motion, sizes) * np.exp(-np.abs(motion.speed)[:, None] / sizes[:, 1])
 
 
 def _lagging(motion: Motion, sizes: Floats) -> Floats:
@@ -284,6 +319,15 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
             [0.003, 0.02, 0.01, 0.01, 0.1, 1e-3, 0.1], [1.0, 10.0, 1.0, 3.0, 10.0, 3.0, 100.0],
         ],
     ),
+    # Leaf springs: Fancher et al. (SAE paper 800905, 1980).
+    "a few leaves": Kind(
+        MEMORY, True,
+        lambda extent: extent.leaf * _with(np.geomspace(0.01, 0.3, 6), (0.4, 0.3), (1.0, 0.6), (2.5, 0.3)),
+        _by_row(_leaves),
+        {1: (0.0, np.inf)},
+        limits=lambda extent: extent.leaf * [[0.002, 0.1, 0.01], [2.0, 10.0, 10.0]],
+        all_along=True,
+    ),
     # A simulator with Stribeck friction: Canudas de Wit et al. (IEEE TAC 40, 1995).
     "Stribeck friction": Kind(
         MEMORY, True,
@@ -298,6 +342,28 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         limits=lambda extent: extent.sticky * [[0.001, 0.003, 0.02, 0.003], [1.0, 5.0, 6.0, 30.0]],
         later=(3,),
         by_speed=True,
+    ),
+    # Generalised Maxwell slip: Lampaert, Al-Bender and Swevers (Physics and Control, 2003).
+    "a few slip elements": Kind(
+        MEMORY, True,
+        lambda extent: extent.sticky * _with(
+            np.geomspace(0.003, 0.3, 6), *itertools.product((0.2, 0.6, 2.0), (0.4,), (1.0, 8.0))
+        ),
+        _by_row(_slipping),
+        {3: (0.0, np.inf)},
+        timed=True,
+        limits=lambda extent: extent.sticky * [[0.001, 0.003, 0.02, 0.05], [1.0, 5.0, 6.0, 100.0]],
+        by_speed=True,
+    ),
+    # Hysteresis that as a whole is stronger at rest, as rolling friction: Swevers et al. (IEEE TAC 45, 2000).
+    "a few stops stronger at rest": Kind(
+        MEMORY, True,
+        lambda extent: extent.sticky[:2] * _with(np.geomspace(0.01, 0.6, 6), (0.2,), (0.6,), (2.0,)),
+        _stronger_at_rest,
+        {1: (0.0, np.inf)},
+        limits=lambda extent: extent.sticky[:2] * [[0.003, 0.01], [3.0, 5.0]],
+        by_speed=True,
+        last=True,
     ),
     # Joints of an engine for rigid bodies (MuJoCo and its like) have mass, damping and dry friction that creeps.
     "a few sliders with mass": Kind(
@@ -342,10 +408,13 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     # Dampers of magnetorheological fluid by a formula without memory: Kwok et al. (Smart Mater. Struct. 15, 2006).
     "friction by speed and side": Kind(
         RATE, False,
-        lambda extent: extent.sided * _with(np.geomspace(0.03, 1.0, 6), *itertools.product((0.3, 1.5), (0.03, 0.3))),
+        lambda extent: extent.sided * _with(
+            np.geomspace(0.03, 1.0, 6), *itertools.product((0.3, 1.5), (0.03, 0.3), (0.03,))
+        ),
         _by_row(_by_speed_and_side),
-        {0: (0.0, np.inf), 2: (0.0, np.inf)},
-        limits=lambda extent: extent.sided * [[0.003, 0.01, 0.003], [5.0, 20.0, 3.0]],
+        {0: (0.0, np.inf), 2: (0.0, np.inf), 3: (0.0, np.inf)},
+        limits=lambda extent: extent.sided * [[0.003, 0.01, 0.003, 0.003], [5.0, 20.0, 3.0, 50.0]],
+        later=(3,),
         by_speed=True,
     ),
     "relaxation": Kind(

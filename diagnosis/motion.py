@@ -105,6 +105,11 @@ class Extent:
         return np.array([self.reach, 1.0 / self.interval, 1.0, self.fast, self.interval, self.interval, 1.0])
 
     @property
+    def leaf(self) -> Floats:
+        """The same of friction between leaves: rad, 1, 1/rad; shape (3,)."""
+        return np.array([self.reach, 1.0, 1.0 / self.reach])
+
+    @property
     def stopped(self) -> Floats:
         """The same of one between stops: and rad, 1, rad/s, 1; shape (11,)."""
         return np.array([*self.body, self.reach, 1.0, 1.0 / self.interval, 1.0])
@@ -116,8 +121,8 @@ class Extent:
 
     @property
     def sided(self) -> Floats:
-        """The same of friction that knows the side as well: rad/s, 1, rad; shape (3,)."""
-        return np.array([self.fast, 1.0, self.reach])
+        """The same of friction that knows the side as well: rad/s, 1, rad, s; shape (4,)."""
+        return np.array([self.fast, 1.0, self.reach, self.interval])
 
     @property
     def sticky(self) -> Floats:

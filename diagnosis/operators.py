@@ -7,9 +7,11 @@ from numba import njit
 from numpy.typing import NDArray
 
 __all__ = [
+    "attracted",
     "bristle",
     "creeping",
     "dashed",
+    "enveloped",
     "hardening",
     "hyperbolic",
     "leaky",
@@ -55,6 +57,18 @@ def _bristle(x, length, out):
         towards = 1.0 if moved > 0.0 else -1.0
         s = towards + (s - towards) * np.exp(-abs(moved) / length)
         out[i] = s
+
+
+@njit(cache=True)
+def _enveloped(x, length, back, growth, out):
+    f = 0.0
+    out[0] = 0.0
+    for i in range(1, x.size):
+        moved = x[i] - x[i - 1]
+        towards, over = (1.0, length) if moved > 0.0 else (-1.0, length * back)
+        towards *= 1.0 + growth * abs(x[i])
+        f = towards + (f - towards) * np.exp(-abs(moved) / over)
+        out[i] = f
 
 
 @njit(cache=True)
@@ -226,6 +240,24 @@ def _yielding(x, level, length, out):
 
 
 @njit(cache=True)
+def _attracted(time, x, level, length, settling, out):
+    f, way, sticks = 0.0, 0.0, True
+    out[0] = 0.0
+    for i in range(1, x.size):
+        moved, most = x[i] - x[i - 1], length * level[i]
+        towards = 1.0 if moved > 0.0 else -1.0
+        if moved == 0.0 or towards != way:
+            sticks, way = True, towards
+        if sticks:
+            f += moved
+            if f * towards >= most:
+                f, sticks = towards * most, False
+        else:
+            f = towards * most + (f - towards * most) * np.exp((time[i - 1] - time[i]) / (settling * level[i]))
+        out[i] = f
+
+
+@njit(cache=True)
 def _lowpass(time, u, tau, out):
     state, step = u[0], 0.0
     decay, before, now = 1.0, 0.0, 0.0
@@ -298,6 +330,16 @@ def bristle(x: Floats, length: float) -> Floats:
     """Direction of motion that builds up over the distance ``length`` (Dahl's presliding), shape (n,), within ±1."""
     out = np.zeros(x.size)
     _bristle(np.ascontiguousarray(x), float(length), out)
+    return out
+
+
+def enveloped(x: Floats, length: float, back: float, growth: float) -> Floats:
+    """A bristle between envelopes ±(1 + ``growth`` |x|) over ``x`` (n,), rad, from rest, shape (n,).
+
+    It builds up over ``length``, rad, and on the way down over ``back`` times as much (Fancher et al., SAE paper 800905, 1980).
+    """
+    out = np.empty(x.size)
+    _enveloped(np.ascontiguousarray(x), float(length), float(back), float(growth), out)
     return out
 
 
@@ -401,6 +443,18 @@ def creeping(time: Floats, x: Floats, tau: float, power: float, length: float) -
     """
     out = np.empty(x.size)
     _creeping(np.ascontiguousarray(time), np.ascontiguousarray(x), float(tau), float(power), float(length), out)
+    return out
+
+
+def attracted(time: Floats, x: Floats, level: Floats, length: float, settling: float) -> Floats:
+    """Maxwell slip element of unit stiffness over ``x`` (n,) from rest that gives way at ``length`` times ``level`` (n,), shape (n,).
+
+    While it slips it approaches that with the time constant ``settling`` (s) times the level; it sticks again where the motion
+    turns (Lampaert, Al-Bender and Swevers, IEEE Int. Conf. Physics and Control, 2003: generalised Maxwell slip).
+    """
+    out = np.empty(x.size)
+    time, x, level = np.ascontiguousarray(time), np.ascontiguousarray(x), np.ascontiguousarray(level)
+    _attracted(time, x, level, float(length), float(settling), out)
     return out
 
 

@@ -41,7 +41,7 @@ def placed(
     """Elements of each of these kinds that emulate ``target`` (n,) best beside free columns (n, any).
 
     Returns their sizes (k, m) by the kind's name, those with fewer sizes first. Those that are not clearly better than a
-    kind before them are left out.
+    kind before them are left out, and those that are asked last where they are no better.
     """
     rows = _rows(motion)
     thin = motion.at(rows)
@@ -60,18 +60,18 @@ def placed(
         def all_along(sizes: Floats) -> Floats:
             return kind.columns(motion, sizes)[rows]
 
-        # What knows neither time nor speed needs only the turns of the motion.
-        made = all_along if kind.timed or kind.by_speed else functools.partial(kind.columns, thin)
+        # Most of what knows neither time nor speed needs only the turns of the motion.
+        made = all_along if kind.timed or kind.by_speed or kind.all_along else functools.partial(kind.columns, thin)
         return _Maker(kind, extent, lambda sizes: beyond(made(sizes)), goal)
 
     better: dict[str, Floats] = {}
     least = float(np.linalg.norm(goal))
-    for name, kind in sorted(kinds.items(), key=lambda each: each[1].width):
+    for name, kind in sorted(kinds.items(), key=lambda each: (each[1].last, each[1].width)):
         if kind.width >= RICH and least < POOR:
             # It would take most of the time for what is small already.
-            break
+            continue
         sizes, error = maker_of(kind).made()
-        if sizes.size and error < CLEARLY * least:
+        if sizes.size and error < (1.0 if kind.last else CLEARLY) * least:
             better[name], least = sizes, error
         if least < EXACT:
             break

@@ -237,6 +237,52 @@ def two_sided(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 2.0 * (1.0 + e) * x + 0.4 * speed + (1.0 - e) * friction
 
 
+def late_and_two_sided(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """The same whose fluid takes its time."""
+    wanted = np.tanh(np.gradient(x, time) / 0.3 + 0.7 * np.tanh(x / 0.2))
+    told, friction = np.zeros(x.size), 0.0
+    for i, now in enumerate(wanted):
+        friction += (now - friction) * (1.0 - np.exp(-INTERVAL / (0.05 * (1.0 + e))))
+        told[i] = friction
+    return 2.0 * (1.0 + e) * x + 0.4 * np.gradient(x, time) + (1.0 - e) * told
+
+
+def maxwell_slip(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Generalised Maxwell slip: elements stick, or are drawn to a share of the Stribeck curve, in small steps."""
+    out, fine = np.zeros(x.size), 20
+    for stiffness, share in ((30.0, 0.4), (12.0, 0.6)):
+        force, slips, before = 0.0, False, 0.0
+        for i in range(1, x.size):
+            speed = (x[i] - x[i - 1]) / INTERVAL
+            curve = (1.0 + e) * (0.9 + 0.5 * np.exp(-((speed / 0.4) ** 2)))
+            slips, before = slips and speed * before > 0.0, speed
+            for _ in range(fine):
+                if slips:
+                    force += 12.0 * (share * np.sign(speed) - force / curve) * INTERVAL / fine
+                else:
+                    force += stiffness * speed * INTERVAL / fine
+                    slips = abs(force) >= share * curve and force * speed > 0.0
+            out[i] += force
+    return 3.0 * (1.0 - e) * x + out
+
+
+def rolling(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Hysteresis of rolling balls, all of which is stronger at rest."""
+    slow = 1.0 + 0.3 * (1.0 + e) * np.exp(-np.abs(np.gradient(x, time)) / 0.5)
+    return 4.0 * (1.0 + e) * x + slow * sliders(x, ((6.0, 0.12), (2.0 * (1.0 - e), 0.3)))
+
+
+def leaves(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Fancher's leaf spring as printed: its friction grows with the deflection and builds up faster one way."""
+    friction, force = np.zeros(x.size), 0.0
+    for i in range(1, x.size):
+        step = x[i] - x[i - 1]
+        envelope = np.sign(step) * (1.0 + e) * (0.8 + 0.5 * abs(x[i]))
+        force = envelope + (force - envelope) * np.exp(-abs(step) / (0.05 * (1.0 - e) if step > 0.0 else 0.12))
+        friction[i] = force
+    return 4.0 * x + (1.0 + e) * x**3 + friction
+
+
 def lagging(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """Sliders whose torque is told late, each by its own time."""
     out = 3.0 * (1.0 + e) * x
@@ -272,6 +318,10 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "spreadsheet": (spreadsheet, 0.005),
     "rigid body": (rigid_body, 0.002),
     "two-sided": (two_sided, 0.005),
+    "late and two-sided": (late_and_two_sided, 0.005),
+    "Maxwell slip": (maxwell_slip, 0.01),
+    "rolling": (rolling, 0.005),
+    "leaves": (leaves, 0.001),
     "hardly yielding": (hardly_yielding, 0.0003),
     "lagging": (lagging, 0.01),
 }
