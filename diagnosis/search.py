@@ -264,11 +264,15 @@ def search(library: Library, wide: int = 9, most: int = 3) -> list[Hypothesis]:
     return found
 
 
-def _refined(evidence: Evidence, terms: Sequence[Term]) -> Hypothesis:
-    """The terms with their shapes refined; of single effects beside an exact simulator only some are, see :func:`_beside_exact`."""
+def _refined(evidence: Evidence, terms: Sequence[Term], scales: Sequence[Scale] = ()) -> Hypothesis:
+    """The terms with their shapes refined, a single effect beside the likeliest simulator of ``scales``, by default of all.
+
+    Beside an exact one only some are, where a refitted one is likelier: see :func:`_beside_exact`.
+    """
     if len(terms) > 1:
         return refine_anyhow(evidence, terms, IN_COMPANY)
-    return refine(evidence, evidence.fit(terms), 10)
+    refined = refine(evidence, evidence.fit(terms, scales), 10, scales)
+    return evidence.fit(refined.terms) if scales else refined
 
 
 def _leaves_nothing(evidence: Evidence, hypothesis: Hypothesis) -> bool:
@@ -316,7 +320,7 @@ def _beside_exact(library: Library) -> list[tuple[Hypothesis, tuple[int, ...]]]:
         if not terms[0].shape or evidence.fit(terms).scale in exact:
             continue
         fitted = refine(evidence, evidence.fit(terms, exact), 10, exact)
-        made += [(better, numbers) for better in (evidence.fit(fitted.terms), *_successors(evidence, fitted))]
+        made += [(better, numbers) for better in (evidence.fit(fitted.terms), *_successors(evidence, fitted, exact))]
     return made
 
 
@@ -376,8 +380,8 @@ def _with_shapes_of_larger(
     return sorted(best.values(), key=lambda h: (len(h.terms), -h.score))
 
 
-def _successors(evidence: Evidence, fitted: Hypothesis) -> list[Hypothesis]:
-    """The same effects with one form replaced by those that start where it ended."""
+def _successors(evidence: Evidence, fitted: Hypothesis, scales: Sequence[Scale] = ()) -> list[Hypothesis]:
+    """The same effects with one form replaced by those that start where it ended, refined beside simulators of ``scales``."""
     made, start = [], 0
     for k, term in enumerate(fitted.terms):
         coefficients = fitted.coefficients[start : start + len(term.form.coefficients)]
@@ -386,7 +390,7 @@ def _successors(evidence: Evidence, fitted: Hypothesis) -> list[Hypothesis]:
             if term.form.name in form.refines:
                 shape = form.start(term.shape, coefficients) if form.start else term.shape
                 terms = _with_law(fitted, k, form, shape)
-                made.append(_refined(evidence, terms))
+                made.append(_refined(evidence, terms, scales))
     return made
 
 
