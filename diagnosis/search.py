@@ -238,6 +238,7 @@ def search(library: Library, wide: int = 9, most: int = 3) -> list[Hypothesis]:
                     *_successors(evidence, fitted),
                     *_siblings(evidence, fitted),
                     *_other_laws(library, fitted),
+                    *_what_they_image(library, fitted),
                 ):
                     _keep(refined, better, numbers)
                     _note_exact(exact, better)
@@ -457,6 +458,17 @@ def _other_laws(library: Library, fitted: Hypothesis) -> list[Hypothesis]:
             made.append(other)
             if other.score > fitted.score - NEARLY * evidence.effective:
                 made += _successors(evidence, other)
+    return made
+
+
+def _what_they_image(library: Library, fitted: Hypothesis) -> list[Hypothesis]:
+    """The same sets with an effect replaced by one of which it may be the image, by the best of its laws beside these others."""
+    own, made = library.add(fitted.terms), []
+    for k, term in enumerate(fitted.terms):
+        for name in term.effect.image_of:
+            laws = library.extend(own[:k] + own[k + 1 :], (fitted.scale,), name)
+            if laws:
+                made.append(_refined(library.evidence, [library.terms[number] for number in max(laws)[1]]))
     return made
 
 
