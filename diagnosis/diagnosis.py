@@ -88,6 +88,8 @@ class Diagnosis:
     excluded: list[str]
     next_recording: dict[str, Any] | None = None
     notes: list[str] = field(default_factory=list)
+    reasons: list[str] = field(default_factory=list)
+    """Those of the notes that say why what would explain the gap is not named."""
 
     @property
     def evidence(self) -> Evidence:
@@ -253,24 +255,8 @@ def diagnose(
         notes.append(
             f"the recorded torque comes in steps of {choice.torque_step:.3g} {signals.unit}: they are the gap; record it finer"
         )
-    notes += [
-        f"{term.effect.title} would explain it at the end of its range ({term.form.name}), where another effect begins, one "
-        "that is not known here"
-        if term.is_an_image
-        else f"{term.effect.title} would explain it, but on this joint another effect that is not known here would look the same"
-        for term in choice.images
-    ]
-    if choice.clock:
-        by, own = CLOCKS[choice.clock.clock], CLOCKS[choice.clock.term.effect.clock]
-        notes.append(
-            f"{choice.clock.term.effect.title} would explain it, but what changes goes with {by} rather than with {own}: "
-            "another effect, one that is not known here"
-        )
-    if choice.factor:
-        notes.append(
-            f"one factor on the whole torque, {1.0 + choice.factor:.4g}, would close it: no coincidence of several errors of "
-            "parameters, but an effect that is not known here"
-        )
+    reasons = _reasons(choice)
+    notes += reasons
     if fitted:
         notes.append(
             "the confidence was calibrated on simulators that were not fitted to the joint: take it as a rank here"
@@ -295,6 +281,7 @@ def diagnose(
         seed=seed,
         excluded=sorted(exclude),
         notes=notes,
+        reasons=reasons,
     )
 
 
@@ -303,6 +290,29 @@ def _explain(evidence: Evidence, effects: Sequence[Effect]) -> tuple[Library, li
     found = search(library)
     library.close()
     return library, found, choose(evidence, found)
+
+
+def _reasons(choice: Choice) -> list[str]:
+    """Why what would explain the gap is not named."""
+    made = [
+        f"{term.effect.title} would explain it at the end of its range ({term.form.name}), where another effect begins, one "
+        "that is not known here"
+        if term.is_an_image
+        else f"{term.effect.title} would explain it, but on this joint another effect that is not known here would look the same"
+        for term in choice.images
+    ]
+    if choice.clock:
+        by, own = CLOCKS[choice.clock.clock], CLOCKS[choice.clock.term.effect.clock]
+        made.append(
+            f"{choice.clock.term.effect.title} would explain it, but what changes goes with {by} rather than with {own}: "
+            "another effect, one that is not known here"
+        )
+    if choice.factor:
+        made.append(
+            f"one factor on the whole torque, {1.0 + choice.factor:.4g}, would close it: no coincidence of several errors of "
+            "parameters, but an effect that is not known here"
+        )
+    return made
 
 
 def _named(choice: Choice) -> list[str]:

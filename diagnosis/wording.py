@@ -49,7 +49,7 @@ def _instead(found: Diagnosis, name: str) -> str:
 
 def summary(found: Diagnosis, designed: bool) -> list[str]:
     """A few lines for the terminal; ``designed`` if a next recording was looked for."""
-    lines = [sentence(found)]
+    lines = [sentence(found), *found.reasons]
     if found.places:
         lines.append(
             "where: " + ", ".join(f"{place.coordinate} {100.0 * place.share:.0f} %" for place in found.places[:3])

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
 from hystbench.diagnosis.signals import Signals
+from hystbench.diagnosis.wording import summary
 
 Floats = NDArray[np.float64]
 NOISE = 0.012
@@ -43,7 +44,9 @@ def weakened(effect: str) -> Floats:
 def test_wear_is_no_drift_and_drift_no_wear_where_only_one_of_them_is_known(effect: str, other: str) -> None:
     withheld = diagnosed(weakened(effect), (effect,))
     assert withheld.verdict == ["unknown"]
-    assert any(f"goes with {CLOCK[effect]} rather than with {CLOCK[other]}" in note for note in withheld.notes)
+    why = f"goes with {CLOCK[effect]} rather than with {CLOCK[other]}"
+    assert any(why in note for note in withheld.notes)
+    assert any(why in line for line in summary(withheld, designed=False))
     # The one that is there is named also where the other is known not to be.
     assert diagnosed(weakened(effect), (other,)).verdict == [effect]
     assert diagnosed(weakened(effect)).verdict == [effect]
