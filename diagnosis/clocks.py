@@ -13,14 +13,13 @@ from .effects.base import CLOCKS, Form
 from .emulation import SimulatorScene
 from .evidence import Evidence, Hypothesis, Term
 from .refinement import refine
+from .rivals import SAME_BY_EYE
 from .signals import Floats, Signals
 
 __all__ = ["OtherClock", "follows_another_clock"]
 
 TRIED = 3
 """Laws that are refined on another clock."""
-CLEARLY = 0.003
-"""Evidence a sample that a slightly different law could not bring."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +41,7 @@ def follows_another_clock(evidence: Evidence, hypothesis: Hypothesis, found: Seq
                 continue
             others = hypothesis.terms[:k] + hypothesis.terms[k + 1 :]
             best = _best_on(evidence, term, others, clock)
-            if best - hypothesis.score > CLEARLY * evidence.effective:
+            if best - hypothesis.score > SAME_BY_EYE * evidence.effective:
                 return OtherClock(term, clock)
     return None
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from .attribution import Place, locate
-from .effects.base import ELAPSED, TRAVEL, Effect
+from .effects.base import CLOCKS, Effect
 from .emulation import SimulatorScene, emulate
 from .evidence import Evidence, Hypothesis
 from .heldout import HeldOut, closed_share, held_out
@@ -42,8 +42,6 @@ FEW = 0.005
 """Part of the recording that knocks must make up to be worth a second look."""
 AS_MUCH = 0.03
 """Share of the gap's energy by which a simpler verdict may close less."""
-CLOCKS = {ELAPSED: "time", TRAVEL: "travel"}
-"""What a slow change goes on with, in words."""
 EXACT = 0.3
 """Structure left over, as a share of the noise, up to which an effect's law is adequate."""
 

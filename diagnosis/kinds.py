@@ -130,12 +130,17 @@ def _rubber(motion: Motion, length: float) -> Floats:
     return length * motion.from_rest(hyperbolic, length=length)
 
 
+def _level(motion: Motion, pace: float, excess: float) -> Floats:
+    """The Stribeck curve: it falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1."""
+    return np.asarray(1.0 + excess * np.exp(-np.square(motion.speed / pace)))
+
+
 def _stribeck(motion: Motion, length: float, pace: float, excess: float, damping: float = 0.0) -> Floats:
     """A LuGre element that yields at a level which falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1.
 
     Its bristles resist their own speed by ``damping`` (s) times their stiffness.
     """
-    level = 1.0 + excess * np.exp(-np.square(motion.speed / pace))
+    level = _level(motion, pace, excess)
     bristle = motion.from_rest(yielding, level, length=length)
     bending = motion.speed - np.abs(motion.speed) * bristle / level
     return length * bristle + damping * bending
@@ -143,8 +148,13 @@ def _stribeck(motion: Motion, length: float, pace: float, excess: float, damping
 
 def _slipping(motion: Motion, length: float, pace: float, excess: float, settling: float) -> Floats:
     """A Maxwell slip element that holds at a level which falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1."""
-    level = 1.0 + excess * np.exp(-np.square(motion.speed / pace))
+    level = _level(motion, pace, excess)
     return motion.from_rest(lambda x, time, level: attracted(time, x, level, length, settling), motion.time, level)
+
+
+def _late(motion: Motion, series: Floats, constant: float) -> Floats:
+    """``series`` (n,) as it is told behind a lag of the time constant ``constant``, s, settled where each run begins."""
+    return np.concatenate([lowpass(motion.time[run], series[run], constant) for run in motion.runs])
 
 
 def _by_speed(motion: Motion, pace: float, corner: float, ahead: float) -> Floats:
@@ -166,11 +176,11 @@ def _by_speed_and_side(motion: Motion, pace: float, ahead: float, width: float, 
     By ``ahead`` of that, smooth over ``width`` (rad) about the middle; it follows with the time constant ``late``, s.
     """
     sign = np.tanh(motion.speed / pace + ahead * np.tanh(motion.x / width))
-    return np.concatenate([lowpass(motion.time[run], sign[run], late) for run in motion.runs])
+    return _late(motion, sign, late)
 
 
 def _lag(motion: Motion, constant: float) -> Floats:
-    return np.concatenate([lowpass(motion.time[run], motion.x[run], constant) - motion.x[run] for run in motion.runs])
+    return _late(motion, motion.x, constant) - motion.x
 
 
 def _plays(motion: Motion, half_widths: Floats) -> tuple[Floats, NDArray[np.intp]]:
@@ -196,8 +206,7 @@ def _lagging(motion: Motion, sizes: Floats) -> Floats:
     columns = np.empty((motion.x.size, len(sizes)))
     for k, constant in enumerate(sizes[:, 1]):
         stop = stops[:, which[k]]
-        for run in motion.runs:
-            columns[run, k] = lowpass(motion.time[run], stop[run], constant) - stop[run]
+        columns[:, k] = _late(motion, stop, constant) - stop
     return columns
 
 
@@ -208,8 +217,7 @@ def _lagging_together(motion: Motion, sizes: Floats, weights: Floats) -> Floats:
     for constant in np.unique(sizes[:, 1]):
         shared = np.bincount(which, weights * (sizes[:, 1] == constant), played.shape[1])
         stop = motion.path * shared.sum() - played @ shared
-        for run in motion.runs:
-            total[run] += lowpass(motion.time[run], stop[run], constant) - stop[run]
+        total += _late(motion, stop, constant) - stop
     return total
 
 

@@ -271,7 +271,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     ):
         verdict = [UNKNOWN]
     elif not evidence.fitted:
-        images = best.images or _imitations(found, best, evidence.recalibration(best) * miscalibrated)
+        images = best.images or _imitations(found, best, refit.recalibration * miscalibrated)
         factor = _one_factor(evidence, found, energy) if verdict == [MISCALIBRATION] else 0.0
         clock = follows_another_clock(evidence, best, found)
         verdict = [UNKNOWN] if images or factor or clock else verdict
@@ -391,6 +391,8 @@ class _Refit:
     held: HeldOut
     left: Floats
     """What the hypothesis and the refitted simulator leave."""
+    recalibration: Floats
+    """What refitting the simulator adds, shape (n,)."""
     gain: float
     """Share of the gap's energy that errors of the bulk close beyond those of the fine structure."""
     miscalibrated: bool
@@ -417,7 +419,7 @@ def _judge_refit(evidence: Evidence, best: Hypothesis, energy: float) -> _Refit:
     else:
         # With no effect at all, what the refit takes is the gap.
         off = is_refitted(best.scale) or energy > floor**2
-    return _Refit(held, left, gain, off and rms(recalibration) > NEGLIGIBLE * floor)
+    return _Refit(held, left, recalibration, gain, off and rms(recalibration) > NEGLIGIBLE * floor)
 
 
 def _nothing(evidence: Evidence, best: Hypothesis, miscalibrated: bool, features: dict[str, float]) -> bool:

@@ -51,8 +51,9 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 INPUT, TORQUE, SENSOR = "input", "torque", "sensor"
-CLOCKS = ELAPSED, TRAVEL = "elapsed", "travel"
-"""What only grows in a recording, as :class:`~hystbench.diagnosis.signals.Signals` calls it."""
+ELAPSED, TRAVEL = "elapsed", "travel"
+CLOCKS: Mapping[str, str] = {ELAPSED: "time", TRAVEL: "travel"}
+"""What only grows in a recording, as :class:`~hystbench.diagnosis.signals.Signals` calls it, in words."""
 AT_BORDER = 0.04
 """Part of the way between a shape's limits from where it counts as having run to one."""
 LOW, HIGH, NOT = (True, False), (False, True), (False, False)
