@@ -1,0 +1,307 @@
+"""What simulators of joints are made of, each by an implementation of its own that shares no code with the emulator's elements."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from joints import sliders
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Pads = tuple[float, float] | None
+Joint = Callable[..., Floats]
+INTERVAL = 0.01
+"""Of the samples, s."""
+
+# Each with its parameters off by ``e``, some up and some down.
+
+
+def kinked(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    spring = 5.0 * x + 7.0 * (1.0 + e) * np.sign(x) * np.maximum(np.abs(x) - 0.52 * (1.0 + e), 0.0)
+    return spring + sliders(x, ((6.0, 0.12 * (1.0 - e)), (2.0 * (1.0 + e), 0.15)))
+
+
+def two_sliders(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Yielding at two sharp deflections, of which a coarse set of elements has neither."""
+    return (1.0 + e) * x + sliders(x, ((12.5, 0.75 * (1.0 + e)), (5.8 * (1.0 - e), 0.75)))
+
+
+def rubber(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    friction, force, left, left_at, way = np.zeros(x.size), 0.0, 0.0, 0.0, 0.0
+    most, length = 1.5 * (1.0 + e), 0.08 * (1.0 - e)
+    for i in range(1, x.size):
+        step = x[i] - x[i - 1]
+        if step * way <= 0.0:
+            left, left_at, way = force, x[i - 1], step
+        # Berg's two branches as printed.
+        mu, gone = left / most, x[i] - left_at
+        up = left + gone / (length * (1.0 - mu) + gone) * (most - left)
+        down = left + gone / (length * (1.0 + mu) - gone) * (most + left)
+        friction[i] = force = up if step > 0.0 else down
+    return 4.0 * (1.0 - e) * x + friction
+
+
+def smooth_yielding(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    z, out = 0.0, np.zeros(x.size)
+    for i in range(1, x.size):
+        step = (x[i] - x[i - 1]) / 40
+        for _ in range(40):
+            z += step * (1.0 - (z / (0.09 * (1.0 - e))) ** 2 * (0.6 * np.sign(z * step) + 0.4))
+        out[i] = z
+    return 3.0 * (1.0 + e) * x + 12.0 * (1.0 + e) * out
+
+
+def stribeck(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """LuGre, explicit in small steps."""
+    z, out = 0.0, np.zeros(x.size)
+    for i in range(1, x.size):
+        speed = (x[i] - x[i - 1]) / INTERVAL
+        level = (1.0 + e) * (0.8 + 0.6 * np.exp(-((speed / 0.25) ** 2)))
+        for _ in range(40):
+            z += INTERVAL / 40 * (speed - 60.0 * abs(speed) / level * z)
+        out[i] = 60.0 * z
+    return 3.0 * (1.0 - e) * x + out
+
+
+def damped_bristles(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """LuGre whose bristles are damped, in small steps."""
+    finely = np.arange(0.0, x.size - 1 + 1e-9, 1 / 40)
+    speed = np.interp(finely, np.arange(x.size), np.gradient(x, time))
+    z, out = 0.0, np.zeros(finely.size)
+    for i, v in enumerate(speed):
+        rate = v - 60.0 * abs(v) / (1.0 + 0.5 * np.exp(-((v / 0.2) ** 2))) / (1.0 + e) * z
+        out[i] = 60.0 * z + 0.9 * (1.0 - e) * rate
+        z += INTERVAL / 40 * rate
+    return 3.0 * (1.0 - e) * x + out[::40]
+
+
+def bristles_by_the_sample(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """LuGre of a speed made from the samples on both sides, a step each."""
+    z, out = 0.0, np.zeros(x.size)
+    for i, v in enumerate(np.gradient(x, time)):
+        settled = (1.0 + 0.5 * np.exp(-((v / 0.2) ** 2))) * (1.0 + e) / 60.0
+        z = settled * np.sign(v) + (z - settled * np.sign(v)) * np.exp(-abs(v) / settled * INTERVAL)
+        out[i] = 60.0 * z
+    return 3.0 * (1.0 - e) * x + out
+
+
+def viscoelastic(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    branches = np.zeros(x.size)
+    for constant in (0.3, 2.0, 9.0):
+        force = 0.0
+        for i in range(1, x.size):
+            force = force * np.exp(-INTERVAL / (constant * (1.0 + e))) + 1.5 * (1.0 + e) * (x[i] - x[i - 1])
+            branches[i] += force
+    return 3.0 * (1.0 - e) * x + branches
+
+
+def saturating(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """A generalised Prandtl-Ishlinskii stage: each play is bent by an envelope that saturates sooner on one side."""
+    out = np.zeros(x.size)
+    for half in (0.05, 0.1, 0.2, 0.3):
+        at = 0.0
+        for i, now in enumerate(x):
+            at = min(max(at, now - half), now + half)
+            out[i] += (1.0 + e) * np.tanh(1.6 * (1.0 - e) * at + 0.4)
+    return (1.0 + e) * x + out
+
+
+FINER = 40
+
+
+def dragged(
+    time: Floats, x: Floats, stiffness: float, limit: float, mass: float, damping: float, pads: Pads = None
+) -> Floats:
+    """Torque of a spring to a mass with dry and viscous friction, explicit in small steps, which may rest between two pads."""
+    h = INTERVAL / FINER
+    fine = np.interp(np.arange((x.size - 1) * FINER + 1) * h, time, x)
+    at, speed, stretch = 0.0, 0.0, np.zeros(fine.size)
+    for i, now in enumerate(fine):
+        stretch[i] = now - at
+        deep = max(at - pads[1], 0.0) + min(at - pads[0], 0.0) if pads else 0.0
+        pad = 300.0 * deep + 1.5 * speed if deep else 0.0
+        pull = stiffness * stretch[i] - (pad if pad * deep > 0.0 else 0.0)
+        if speed == 0.0 and abs(pull) <= limit:
+            continue
+        way = np.sign(speed) if speed else np.sign(pull)
+        speed += h * (pull - way * limit - damping * speed) / mass
+        speed = speed if speed * way > 0.0 else 0.0
+        at += h * speed
+    return np.asarray(stiffness * stretch[::FINER])
+
+
+def heavy(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Two masses on springs beside a third spring."""
+    out = 4.0 * (1.0 + e) * x + dragged(time, x, 9.0, 0.9, 0.001, 0.15)
+    return out + dragged(time, x, 5.0 * (1.0 + e), 1.3 * (1.0 - e), 0.0015, 0.12)
+
+
+def between_pads(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """A mass on a spring that strikes pads of rubber."""
+    return 4.0 * (1.0 + e) * x + dragged(time, x, 9.0, 0.9 * (1.0 + e), 0.003, 0.1, (-0.25, 0.3 * (1.0 - e)))
+
+
+def pinching(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Bouc-Wen with the pinching of Baber and Noori, as printed, explicit in small steps."""
+    z, out = 0.0, np.zeros(x.size)
+    beta, gamma, n = 2.0 * (1.0 + e), 0.8 * (1.0 - e), 1.4
+    most = (1.0 / (beta + gamma)) ** (1.0 / n)
+    for i in range(1, x.size):
+        step = (x[i] - x[i - 1]) / 40
+        for _ in range(40):
+            h = 1.0 - 0.6 * (1.0 - e) * np.exp(-(((z * np.sign(step) - 0.15 * most) / (0.2 * (1.0 + e))) ** 2))
+            z += h * (step - beta * abs(step) * abs(z) ** (n - 1.0) * z - gamma * step * abs(z) ** n)
+        out[i] = z
+    return 0.8 * (1.0 + e) * x + 3.0 * out
+
+
+def metal(time: Floats, x: Floats, e: float = 0.0, growth: float = 0.0) -> Floats:
+    """Plasticity with two back stresses that recall themselves, by small steps back to the yield limit, which may grow."""
+    torque, fast, slow, flown, out = 0.0, 0.0, 0.0, 0.0, np.zeros(x.size)
+    for i in range(1, x.size):
+        for _ in range(40):
+            torque += 10.0 * (x[i] - x[i - 1]) / 40
+            limit = 0.5 * (1.0 + e) * (1.0 + growth * (1.0 - np.exp(-flown / 0.8)))
+            over = abs(torque - fast - slow) - limit
+            if over > 0.0:
+                way = np.sign(torque - fast - slow)
+                rates = 12.0 * (1.0 + e) * way - 15.0 * fast, 3.0 * (1.0 - e) * way - 2.0 * slow
+                flow = over / (10.0 + way * sum(rates))
+                torque, fast, slow = torque - 10.0 * way * flow, fast + rates[0] * flow, slow + rates[1] * flow
+                flown += flow
+        out[i] = torque
+    return (1.0 + e) * x + out
+
+
+def used_metal(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Metal whose yield limit grows by a fifth as it flows."""
+    return metal(time, x, e, 0.2 * (1.0 - e))
+
+
+def damper(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Spencer's damper of magnetorheological fluid with both of its springs, explicit in small steps."""
+    steps, behind, hysteretic, piston, out = 40, 5.0 * (1.0 - e), 0.0, 0.0, np.zeros(x.size)
+    h = INTERVAL / steps
+    for i in range(1, x.size):
+        speed = (x[i] - x[i - 1]) / INTERVAL
+        for k in range(steps):
+            spring = 1.5 * (x[i - 1] + (k + 0.5) * h * speed - piston)
+            inner = (12.0 * (1.0 + e) * hysteretic + 0.2 * speed + spring) / (0.2 + behind)
+            slip, share = speed - inner, hysteretic / 0.08
+            piston += h * inner
+            hysteretic += h * (slip - 0.5 * slip * share**2 - 0.5 * abs(slip) * share * abs(share))
+        out[i] = behind * inner
+    return 3.0 * (1.0 - e) * x + out
+
+
+def spreadsheet(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Dry and viscous friction of a speed made from one sample to the next."""
+    speed = np.diff(x, prepend=x[0]) / INTERVAL
+    return 4.0 * (1.0 + e) * x + 0.3 * (1.0 - e) * speed + (1.0 + e) * np.tanh(speed / (0.003 * (1.0 + e)))
+
+
+def rigid_body(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """The torque that an engine for rigid bodies wants for a motion: friction of a speed that is yet to come, and inertia."""
+    speed = np.gradient(x, time)
+    acceleration = np.gradient(speed, time)
+    friction = 0.8 * (1.0 - e) * np.clip((speed + 0.003 * acceleration) / 0.02, -1.0, 1.0)
+    return 4.0 * (1.0 + e) * x + friction + 0.1 * speed + 0.02 * (1.0 + e) * acceleration
+
+
+def two_sided(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Kwok's damper of magnetorheological fluid, whose friction turns earlier on the way back from either side."""
+    speed = np.gradient(x, time)
+    friction = np.tanh(speed / (0.3 * (1.0 + e)) + 0.7 * (1.0 - e) * np.tanh(x / 0.2))
+    return 2.0 * (1.0 + e) * x + 0.4 * speed + (1.0 - e) * friction
+
+
+def late_and_two_sided(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """The same whose fluid takes its time."""
+    wanted = np.tanh(np.gradient(x, time) / 0.3 + 0.7 * np.tanh(x / 0.2))
+    told, friction = np.zeros(x.size), 0.0
+    for i, now in enumerate(wanted):
+        friction += (now - friction) * (1.0 - np.exp(-INTERVAL / (0.05 * (1.0 + e))))
+        told[i] = friction
+    return 2.0 * (1.0 + e) * x + 0.4 * np.gradient(x, time) + (1.0 - e) * told
+
+
+def maxwell_slip(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Generalised Maxwell slip: elements stick, or are drawn to a share of the Stribeck curve, in small steps."""
+    out, fine = np.zeros(x.size), 20
+    for stiffness, share in ((30.0, 0.4), (12.0, 0.6)):
+        force, slips, before = 0.0, False, 0.0
+        for i in range(1, x.size):
+            speed = (x[i] - x[i - 1]) / INTERVAL
+            curve = (1.0 + e) * (0.9 + 0.5 * np.exp(-((speed / 0.4) ** 2)))
+            slips, before = slips and speed * before > 0.0, speed
+            for _ in range(fine):
+                if slips:
+                    force += 12.0 * (share * np.sign(speed) - force / curve) * INTERVAL / fine
+                else:
+                    force += stiffness * speed * INTERVAL / fine
+                    slips = abs(force) >= share * curve and force * speed > 0.0
+            out[i] += force
+    return 3.0 * (1.0 - e) * x + out
+
+
+def rolling(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Hysteresis of rolling balls, all of which is stronger at rest."""
+    slow = 1.0 + 0.3 * (1.0 + e) * np.exp(-np.abs(np.gradient(x, time)) / 0.5)
+    return 4.0 * (1.0 + e) * x + slow * sliders(x, ((6.0, 0.12), (2.0 * (1.0 - e), 0.3)))
+
+
+def leaves(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Fancher's leaf spring as printed: its friction grows with the deflection and builds up faster one way."""
+    friction, force = np.zeros(x.size), 0.0
+    for i in range(1, x.size):
+        step = x[i] - x[i - 1]
+        envelope = np.sign(step) * (1.0 + e) * (0.8 + 0.5 * abs(x[i]))
+        force = envelope + (force - envelope) * np.exp(-abs(step) / (0.05 * (1.0 - e) if step > 0.0 else 0.12))
+        friction[i] = force
+    return 4.0 * x + (1.0 + e) * x**3 + friction
+
+
+def lagging(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Sliders whose torque is told late, each by its own time."""
+    out = 3.0 * (1.0 + e) * x
+    for stiffness, limit, constant in ((6.0, 0.12, 0.15), (3.0 * (1.0 - e), 0.3, 0.4 * (1.0 + e))):
+        late, told = sliders(x, ((stiffness, limit),)), 0.0
+        for i in range(1, x.size):
+            told += (late[i] - told) * (1.0 - np.exp(-INTERVAL / constant))
+            out[i] += told
+    return out
+
+
+def hardly_yielding(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Mostly a spring: whatever emulates the loop badly is still less than a hundredth of the torque."""
+    return 4.0 * (1.0 + e) * x + 0.3 * smooth_yielding(time, x, -e)
+
+
+JOINTS: dict[str, tuple[Joint, float]] = {
+    "kinked": (kinked, 0.005),
+    "two sliders": (two_sliders, 0.002),
+    "rubber": (rubber, 0.005),
+    "smooth yielding": (smooth_yielding, 0.001),
+    "Stribeck": (stribeck, 0.01),
+    "damped bristles": (damped_bristles, 0.003),
+    "bristles by the sample": (bristles_by_the_sample, 0.003),
+    "viscoelastic": (viscoelastic, 0.02),
+    "saturating": (saturating, 0.02),
+    "heavy": (heavy, 0.002),
+    "between pads": (between_pads, 0.005),
+    "pinching": (pinching, 0.001),
+    "metal": (metal, 0.001),
+    "used metal": (used_metal, 0.002),
+    "damper": (damper, 0.002),
+    "spreadsheet": (spreadsheet, 0.005),
+    "rigid body": (rigid_body, 0.002),
+    "two-sided": (two_sided, 0.005),
+    "late and two-sided": (late_and_two_sided, 0.005),
+    "Maxwell slip": (maxwell_slip, 0.01),
+    "rolling": (rolling, 0.005),
+    "leaves": (leaves, 0.001),
+    "hardly yielding": (hardly_yielding, 0.0003),
+    "lagging": (lagging, 0.01),
+}
+"""With the error, as a share of the output, that the emulator may make over a motion that it never saw."""
