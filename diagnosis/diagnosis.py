@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from .attribution import Place, locate
-from .effects.base import CLOCKS, Effect
+from .effects.base import Effect
 from .emulation import SimulatorScene, emulate
 from .evidence import Evidence, Hypothesis
 from .heldout import HeldOut, closed_share, held_out
@@ -21,12 +21,13 @@ from .names import MISCALIBRATION, UNKNOWN
 from .noise import structured_power
 from .operators import rms
 from .precision import intervals, told
+from .reasons import reasons
 from .refitting import refitted_beside
 from .search import Library, search
 from .signals import Signals
 from .verdict import Choice, choose
 
-__all__ = ["SCHEMA", "Diagnosis", "EffectReport", "diagnose", "known_effects"]
+__all__ = ["NEAREST", "SCHEMA", "Diagnosis", "EffectReport", "diagnose", "known_effects"]
 
 Floats = NDArray[np.float64]
 SCHEMA = "hystbench/diagnosis/1"
@@ -42,6 +43,8 @@ FEW = 0.005
 """Part of the recording that knocks must make up to be worth a second look."""
 AS_MUCH = 0.03
 """Share of the gap's energy by which a simpler verdict may close less."""
+NEAREST = "what comes nearest"
+"""Name of the one step of a gap that is not explained."""
 EXACT = 0.3
 """Structure left over, as a share of the noise, up to which an effect's law is adequate."""
 
@@ -81,13 +84,13 @@ class Diagnosis:
     library: Library
     """What every effect makes by itself, and how that goes with the gap; closed."""
     waterfall: list[tuple[str, float]]
-    """RMS after each step: nothing, then the verdict's effects in the order of their size."""
+    """RMS after each step: nothing, then the verdict's effects in the order of their size, or all that comes nearest at once."""
     seed: int
     excluded: list[str]
     next_recording: dict[str, Any] | None = None
     notes: list[str] = field(default_factory=list)
     reasons: list[str] = field(default_factory=list)
-    """Those of the notes that say why what would explain the gap is not named."""
+    """Those of the notes that say why what would explain the gap, or comes nearest, is not named."""
 
     @property
     def evidence(self) -> Evidence:
@@ -253,8 +256,8 @@ def diagnose(
         notes.append(
             f"the recorded torque comes in steps of {choice.torque_step:.3g} {signals.unit}: they are the gap; record it finer"
         )
-    reasons = _reasons(choice)
-    notes += reasons
+    not_named = reasons(choice, closed_in_all, reports)
+    notes += not_named
     if fitted:
         notes.append(
             "the confidence was calibrated on simulators that were not fitted to the joint: take it as a rank here"
@@ -279,7 +282,7 @@ def diagnose(
         seed=seed,
         excluded=sorted(exclude),
         notes=notes,
-        reasons=reasons,
+        reasons=not_named,
     )
 
 
@@ -288,29 +291,6 @@ def _explain(evidence: Evidence, effects: Sequence[Effect]) -> tuple[Library, li
     found = search(library)
     library.close()
     return library, found, choose(evidence, found)
-
-
-def _reasons(choice: Choice) -> list[str]:
-    """Why what would explain the gap is not named."""
-    made = [
-        f"{term.effect.title} would explain it at the end of its range ({term.form.name}), where another effect begins, one "
-        "that is not known here"
-        if term.is_an_image
-        else f"{term.effect.title} would explain it, but on this joint another effect that is not known here would look the same"
-        for term in choice.images
-    ]
-    if choice.clock:
-        by, own = CLOCKS[choice.clock.clock], CLOCKS[choice.clock.term.effect.clock]
-        made.append(
-            f"{choice.clock.term.effect.title} would explain it, but what changes goes with {by} rather than with {own}: "
-            "another effect, one that is not known here"
-        )
-    if choice.factor:
-        made.append(
-            f"one factor on the whole torque, {1.0 + choice.factor:.4g}, would close it: no coincidence of several errors of "
-            "parameters, but an effect that is not known here"
-        )
-    return made
 
 
 def _named(choice: Choice) -> list[str]:
@@ -364,7 +344,7 @@ def _effect_reports(
                 choice.hypothesis,
                 choice.held,
                 name,
-                max(marginal.get(name, 0.0), choice.confidence if name in choice.verdict else 0.0),
+                _probability(choice, marginal.get(name, 0.0), name),
                 floor,
                 seed,
             )
@@ -378,12 +358,17 @@ def _effect_reports(
                 hypothesis,
                 held_out(evidence, hypothesis, 0),
                 name,
-                min(marginal.get(name, 0.0), 1.0 - choice.confidence),
+                _probability(choice, marginal.get(name, 0.0), name),
                 floor,
                 seed,
             )
         )
     return made
+
+
+def _probability(choice: Choice, among_known: float, name: str) -> float:
+    """What is said of one effect: what is named is at least as probable as the verdict, the others as what it leaves at most."""
+    return max(among_known, choice.confidence) if name in choice.verdict else min(among_known, 1.0 - choice.confidence)
 
 
 def _report(
@@ -430,6 +415,10 @@ def _waterfall(signals: Signals, choice: Choice, named: Sequence[str]) -> list[t
     rows = signals.judged
     left = signals.gap[rows]
     steps = [("the simulator as it is", rms(left))]
+    if choice.verdict == [UNKNOWN]:
+        # No step of it is believed, and some would be undone by others.
+        nearest = choice.held.signal + choice.held.recalibration * choice.miscalibrated
+        return [*steps, (NEAREST, rms(left - nearest[rows]))] if np.any(nearest) else steps
     parts = {name: choice.held.parts[name][rows] for name in named}
     if choice.miscalibrated:
         parts[MISCALIBRATION] = choice.held.recalibration[rows]

@@ -7,7 +7,7 @@ that is not good enough what simulators are made of besides (see :mod:`hystbench
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -19,7 +19,7 @@ from .kinds import ELASTIC, KINDS, KINKS, MEMORY
 from .motion import DIFFERENCES, Extent, Motion
 from .operators import bristle, plays, rms, weighed
 from .placing import placed
-from .selection import CLEARLY, Selection, places_of, solve, spread, triangle
+from .selection import CLEARLY, EXACT, Selection, places_of, solve, spread, triangle
 from .signals import Signals, differentiate
 
 __all__ = ["Generalised", "motion_of", "predict_generalised", "relative_error", "spring_of", "strength_of"]
@@ -31,12 +31,16 @@ STOPS, BY_SPEED = "stops", "friction by speed"
 SMOOTH = "smooth"
 """Derivatives of the motion without its noise."""
 BRISTLES = 5
+ROUNDS = 2
+"""Kinds of elements with sizes to move that are taken in one after the other, at most."""
 PLACINGS = 4
 """Steps in which kinks are moved to their places."""
 RATES_NEEDED = 1.1
 """Error without the rate terms, over that with them, from which they are needed."""
 EMULATED = 0.001
 """Error, as a share of the output, from which further elements are looked for."""
+WELL_EMULATED = 0.002
+"""The same from which further kinds are looked for that may need to be there together."""
 PLACES = 4
 """Ways in which an element's torque may depend on where it is."""
 STEEPNESS = (0.02, 0.08, 0.3)
@@ -176,28 +180,53 @@ class Generalised:
         if not signals.timed:
             # There is no telling at which speed anything gives way.
             movable = {name: kind for name, kind in movable.items() if not kind.by_speed}
-        moved = placed(movable, extent, self.motion, beside, signals.y_sim)
-        sizes |= moved
         some = spread(signals.x.size)
         others = np.hstack([placed_stops, self._rates()])[some]
-        elements = {STOPS: self.sign * stops[some], ELASTIC: elastic[some], "others": others} | {
-            name: (self.sign if kinds[name].one_sign else 1.0) * kinds[name].columns(self.motion, made)[some]
-            for name, made in sizes.items()
-        }
-        of_one_sign = [STOPS, *(name for name in sizes if kinds[name].one_sign)]
-        selection = Selection(elements, signals.y_sim[some], of_one_sign)
-        base = {STOPS: selection.places[STOPS][few]} | {name: selection.places[name] for name in (ELASTIC, "others")}
-        chosen = selection.grow(base, growing, [KINKS])
-        for name in moved:
-            with_moved = selection.grow(base | {name: selection.places[name]}, growing, [KINKS])
-            # Sliders with mass also round corners that have nothing to do with mass.
-            if selection.error(with_moved) < CLEARLY * selection.error(chosen):
-                chosen = with_moved
+        elements = {STOPS: self.sign * stops[some], ELASTIC: elastic[some], "others": others}
+
+        def chosen_of(
+            growing: Sequence[str], moved: Collection[str] = (), needed: Collection[str] = ()
+        ) -> dict[str, NDArray[np.intp]]:
+            """Elements that are needed of the kinds ``growing`` and of those ``moved``, of which some are ``needed`` in any case."""
+            kept = [name for name in sizes if name in moved or name in growing]
+            made = elements | {
+                name: (self.sign if kinds[name].one_sign else 1.0) * kinds[name].columns(self.motion, sizes[name])[some]
+                for name in kept
+            }
+            of_one_sign = [STOPS, *(name for name in kept if kinds[name].one_sign)]
+            selection = Selection(made, signals.y_sim[some], of_one_sign)
+            places = selection.places
+            base = {STOPS: places[STOPS][few]} | {name: places[name] for name in (ELASTIC, "others", *needed)}
+            chosen = selection.grow(base, growing, [KINKS])
+            for name in (name for name in moved if name not in needed):
+                with_moved = selection.grow(base | {name: places[name]}, growing, [KINKS])
+                # Sliders with mass also round corners that have nothing to do with mass.
+                if selection.error(with_moved) < CLEARLY * selection.error(chosen):
+                    chosen = with_moved
+            return {name: at - places[name][0] for name, at in chosen.items()}
+
+        # Where the spring has corners, what is left without them says little of the rest.
+        kinks = chosen_of([KINKS]).get(KINKS, np.empty(0, dtype=np.intp))
+        there = [beside, kinds[KINKS].columns(self.motion, sizes[KINKS][kinks])] if kinks.size else [beside]
+        chosen: dict[str, NDArray[np.intp]] = {}
+        needed: list[str] = []
+        for _ in range(ROUNDS):
+            rest = {name: kind for name, kind in movable.items() if name not in needed}
+            enough = WELL_EMULATED if chosen else EXACT
+            more = placed(rest, extent, self.motion, np.hstack(there), signals.y_sim, enough)
+            if chosen and not more:
+                break
+            sizes |= more
+            before, chosen = chosen, chosen_of(growing, [*needed, *more], needed)
+            # What some kinds leave may be another's, which hardly helped beside all that.
+            new = [name for name in chosen if name in sizes and name not in before]
+            there += [kinds[name].columns(self.motion, sizes[name][chosen[name]]) for name in new]
+            needed = [name for name in chosen if name in movable]
+            if not new:
+                break
         finer = chosen.pop(STOPS).size > few.size
         del chosen[ELASTIC], chosen["others"]
-        return FINER if finer else ELEMENTS, {
-            name: sizes[name][at - selection.places[name][0]] for name, at in chosen.items()
-        }
+        return FINER if finer else ELEMENTS, {name: sizes[name][at] for name, at in chosen.items()}
 
     def _placed_kinks(self) -> Floats:
         """Sizes of the kinks, moved to where they leave least, by one step of a Gauss-Newton method."""

@@ -6,6 +6,7 @@ the place.
 
 from __future__ import annotations
 
+import functools
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -146,10 +147,14 @@ def _stribeck(motion: Motion, length: float, pace: float, excess: float, damping
     return length * bristle + damping * bending
 
 
-def _slipping(motion: Motion, length: float, pace: float, excess: float, settling: float) -> Floats:
+def _slipping(
+    motion: Motion, length: float, pace: float, excess: float, settling: float, sudden: bool = False
+) -> Floats:
     """A Maxwell slip element that holds at a level which falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1."""
     level = _level(motion, pace, excess)
-    return motion.from_rest(lambda x, time, level: attracted(time, x, level, length, settling), motion.time, level)
+    return motion.from_rest(
+        lambda x, time, level: attracted(time, x, level, length, settling, sudden), motion.time, level
+    )
 
 
 def _late(motion: Motion, series: Floats, constant: float) -> Floats:
@@ -177,6 +182,16 @@ def _by_speed_and_side(motion: Motion, pace: float, ahead: float, width: float, 
     """
     sign = np.tanh(motion.speed / pace + ahead * np.tanh(motion.x / width))
     return _late(motion, sign, late)
+
+
+def _falling(motion: Motion, pace: float, corner: float) -> Floats:
+    """Friction that is there at low speeds only: it falls by ``pace`` (rad/s), its sign is smooth over ``corner`` (rad/s)."""
+    return np.asarray(np.tanh(motion.speed / corner) * np.exp(-np.square(motion.speed / pace)))
+
+
+def _in_contact(motion: Motion, place: float, width: float) -> Floats:
+    """Damping of what touches beyond ``place`` on either side, a little earlier or later by ``width``, rad."""
+    return np.asarray(0.5 * motion.speed * (1.0 + np.tanh((np.abs(motion.x) - place) / width)))
 
 
 def _lag(motion: Motion, constant: float) -> Floats:
@@ -255,6 +270,15 @@ def _smooth_sizes(extent: Extent) -> Floats:
 def _stribeck_sizes(extent: Extent) -> Floats:
     others = itertools.product((0.03 * extent.fast, 0.1 * extent.fast, 0.3 * extent.fast, extent.fast), (0.5, 1.5))
     return _with(extent.reach * np.array([0.004, 0.012, 0.04, 0.12]), *others)
+
+
+def _slip_sizes(extent: Extent) -> Floats:
+    others = itertools.product((0.2, 0.6, 2.0), (0.4,), (1.0, 8.0))
+    return np.asarray(extent.sticky * _with(np.geomspace(0.003, 0.3, 6), *others))
+
+
+def _slip_limits(extent: Extent) -> Floats:
+    return np.asarray(extent.sticky * [[0.001, 0.003, 0.02, 0.05], [1.0, 5.0, 6.0, 100.0]])
 
 
 KINDS: Mapping[str, Kind] = MappingProxyType({
@@ -354,13 +378,21 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     # Generalised Maxwell slip: Lampaert, Al-Bender and Swevers (Physics and Control, 2003).
     "a few slip elements": Kind(
         MEMORY, True,
-        lambda extent: extent.sticky * _with(
-            np.geomspace(0.003, 0.3, 6), *itertools.product((0.2, 0.6, 2.0), (0.4,), (1.0, 8.0))
-        ),
+        _slip_sizes,
         _by_row(_slipping),
         {3: (0.0, np.inf)},
         timed=True,
-        limits=lambda extent: extent.sticky * [[0.001, 0.003, 0.02, 0.05], [1.0, 5.0, 6.0, 100.0]],
+        limits=_slip_limits,
+        by_speed=True,
+    ),
+    # The same as it is often written.
+    "a few sudden slip elements": Kind(
+        MEMORY, True,
+        _slip_sizes,
+        _by_row(functools.partial(_slipping, sudden=True)),
+        {3: (0.0, np.inf)},
+        timed=True,
+        limits=_slip_limits,
         by_speed=True,
     ),
     # Hysteresis that as a whole is stronger at rest, as rolling friction: Swevers et al. (IEEE TAC 45, 2000).
@@ -412,6 +444,24 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         {0: (0.0, np.inf), 1: (0.0, np.inf)},
         limits=lambda extent: extent.rigid * [[1e-4, 0.05, 1e-3], [3.0, 50.0, 50.0]],
         by_speed=True,
+    ),
+    # Friction of a drive line's simulator: Simscape's rotational friction (Armstrong and Canudas de Wit, 1996), Tustin's.
+    "friction at low speed": Kind(
+        RATE, False,
+        lambda extent: extent.fast * _with(np.geomspace(0.02, 1.0, 8), (0.05,), (0.5,)),
+        _by_row(_falling),
+        {0: (0.0, np.inf), 1: (0.0, np.inf)},
+        limits=lambda extent: extent.fast * np.array([[0.003, 0.001], [5.0, 20.0]]),
+        by_speed=True,
+    ),
+    # Its backlash and stops: they damp only where they touch.
+    "damping in contact": Kind(
+        RATE, False,
+        lambda extent: extent.reach * _with(np.geomspace(0.02, 0.8, 10), (0.01,), (0.05,)),
+        _by_row(_in_contact),
+        {0: (0.0, np.inf), 1: (0.0, np.inf)},
+        timed=True,
+        limits=lambda extent: extent.reach * np.array([[0.003, 0.001], [1.0, 0.3]]),
     ),
     # Dampers of magnetorheological fluid by a formula without memory: Kwok et al. (Smart Mater. Struct. 15, 2006).
     "friction by speed and side": Kind(

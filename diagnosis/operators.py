@@ -240,18 +240,23 @@ def _yielding(x, level, length, out):
 
 
 @njit(cache=True)
-def _attracted(time, x, level, length, settling, out):
+def _attracted(time, x, level, length, settling, sudden, out):
     f, way, sticks = 0.0, 0.0, True
     out[0] = 0.0
     for i in range(1, x.size):
         moved, most = x[i] - x[i - 1], length * level[i]
         towards = 1.0 if moved > 0.0 else -1.0
-        if moved == 0.0 or towards != way:
+        if moved == 0.0 and sudden:
+            towards = way
+        if (moved == 0.0 and not sudden) or towards != way:
             sticks, way = True, towards
         if sticks:
             f += moved
             if f * towards >= most:
                 f, sticks = towards * most, False
+            elif sudden and -f * towards > most:
+                # The level fell faster than the element was relieved.
+                f, sticks = -towards * most, False
         else:
             f = towards * most + (f - towards * most) * np.exp((time[i - 1] - time[i]) / (settling * level[i]))
         out[i] = f
@@ -446,15 +451,18 @@ def creeping(time: Floats, x: Floats, tau: float, power: float, length: float) -
     return out
 
 
-def attracted(time: Floats, x: Floats, level: Floats, length: float, settling: float) -> Floats:
+def attracted(time: Floats, x: Floats, level: Floats, length: float, settling: float, sudden: bool = False) -> Floats:
     """Maxwell slip element of unit stiffness over ``x`` (n,) from rest that gives way at ``length`` times ``level`` (n,), shape (n,).
 
     While it slips it approaches that with the time constant ``settling`` (s) times the level; it sticks again where the motion
-    turns (Lampaert, Al-Bender and Swevers, IEEE Int. Conf. Physics and Control, 2003: generalised Maxwell slip).
+    turns or stops (Lampaert, Al-Bender and Swevers, IEEE Int. Conf. Physics and Control, 2003: generalised Maxwell slip).
+
+    A ``sudden`` one, as it is often written, slips on where the motion only stops, and gives way either way where the level
+    falls faster than it is relieved.
     """
     out = np.empty(x.size)
     time, x, level = np.ascontiguousarray(time), np.ascontiguousarray(x), np.ascontiguousarray(level)
-    _attracted(time, x, level, float(length), float(settling), out)
+    _attracted(time, x, level, float(length), float(settling), sudden, out)
     return out
 
 

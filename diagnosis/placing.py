@@ -36,9 +36,9 @@ RICH, POOR = 8, 0.01
 
 
 def placed(
-    kinds: Mapping[str, Kind], extent: Extent, motion: Motion, beside: Floats, target: Floats
+    kinds: Mapping[str, Kind], extent: Extent, motion: Motion, beside: Floats, target: Floats, enough: float = EXACT
 ) -> dict[str, Floats]:
-    """Elements of each of these kinds that emulate ``target`` (n,) best beside free columns (n, any).
+    """Elements of each of these kinds that emulate ``target`` (n,) best beside free columns (n, any), until that is ``enough``.
 
     Returns their sizes (k, m) by the kind's name, those with fewer sizes first. Those that are not clearly better than a
     kind before them are left out, and those that are asked last where they are no better.
@@ -67,14 +67,14 @@ def placed(
     better: dict[str, Floats] = {}
     least = float(np.linalg.norm(goal))
     for name, kind in sorted(kinds.items(), key=lambda each: (each[1].last, each[1].width)):
+        if least < enough:
+            break
         if kind.width >= RICH and least < POOR:
             # It would take most of the time for what is small already.
             continue
         sizes, error = maker_of(kind).made()
         if sizes.size and error < (1.0 if kind.last else CLEARLY) * least:
             better[name], least = sizes, error
-        if least < EXACT:
-            break
     return better
 
 

@@ -13,7 +13,7 @@ from .effects.base import Effect, Form
 from .evidence import Evidence, Hypothesis, Scale, Term, boxed_least_squares, count_unknowns, is_refitted
 from .refinement import refine, refine_anyhow
 
-__all__ = ["Library", "search"]
+__all__ = ["NOTHING", "Library", "search"]
 
 Floats = NDArray[np.float64]
 ALONE, ALIKE = 18, 4

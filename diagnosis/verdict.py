@@ -22,6 +22,7 @@ from .parsimony import fewest, hardly_worse, simplest
 from .priors import BESIDE_OFF, IDLE, STANDS_IN, prior
 from .quantisation import torque_step
 from .rivals import SAME_BY_EYE, TEMPERATURE, effective_share, is_nested, is_poor, recalibration_rivals, weigh
+from .search import NOTHING
 from .spikes import OUTLIERS, spikes
 
 __all__ = ["Choice", "choose"]
@@ -163,7 +164,8 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
 
     def is_needed(hypothesis: Hypothesis) -> bool:
         pliable = max(count_unknowns(hypothesis.terms) / CONSTANTS, 1.0)
-        least = max(BESIDE_OFF * pliable, BESIDE_ENOUGH if is_enough else 0.0) * evidence.effective
+        enough = is_enough and not _makes_right(evidence, hypothesis, blank)
+        least = max(BESIDE_OFF * pliable, BESIDE_ENOUGH if enough else 0.0) * evidence.effective
         return hypothesis.score - blank.score >= (IDLE if is_far else least)
 
     if not simple.terms and not evidence.fitted:
@@ -344,6 +346,12 @@ def _rather_off(evidence: Evidence, best: Hypothesis, blank: Hypothesis, size: f
     worse = best.score + prior(evidence, best, size) - blank.by_scale[scale]
     near = worse < NO_BETTER * count_unknowns(best.terms)
     return replace(evidence.fit((), (scale,)), by_scale=blank.by_scale) if near else best
+
+
+def _makes_right(evidence: Evidence, hypothesis: Hypothesis, blank: Hypothesis) -> bool:
+    """Whether beside an effect, which leaves nothing, the simulator need not be off by as much as a tenth; patches don't do that."""
+    nearer = _needs_largest_errors(evidence, blank) and not _needs_largest_errors(evidence, hypothesis)
+    return nearer and left_by(evidence, hypothesis) < NOTHING
 
 
 def _is_nearer(hypothesis: Hypothesis, blank: Hypothesis) -> bool:

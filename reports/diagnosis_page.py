@@ -14,7 +14,8 @@ from matplotlib.collections import LineCollection
 
 from .. import __version__
 from ..diagnosis.attribution import profile
-from ..diagnosis.diagnosis import Diagnosis
+from ..diagnosis.diagnosis import NEAREST, Diagnosis
+from ..diagnosis.names import UNKNOWN
 from ..diagnosis.wording import sentence
 from ..files import write_text
 from .svg import COLOURS, INK, MEASURED, STYLE
@@ -90,7 +91,8 @@ def write_diagnosis(
         simulators=simulators,
         excluded=found.excluded,
         seed=found.seed,
-        notes=found.notes,
+        reasons=[reason[:1].upper() + reason[1:] for reason in found.reasons],
+        notes=[note for note in found.notes if note not in found.reasons],
     )  # fmt: skip
     write_text(out / "diagnosis.html", page)
     return found
@@ -145,6 +147,7 @@ def _closing_figures(found: Diagnosis) -> list[dict[str, Any]]:
     # Several recordings have no time in common.
     at_times = signals.timed and len(signals.runs) == 1
     along = (signals.time if at_times else np.arange(signals.x.size))[signals.judged]
+    added = NEAREST if found.verdict == [UNKNOWN] else "the verdict"
     made = []
     with mpl.rc_context(STYLE):
         figure, axes = _figure(9.2, 2.6, 1, 1)
@@ -156,7 +159,7 @@ def _closing_figures(found: Diagnosis) -> list[dict[str, Any]]:
         axis.set_ylabel(signals.unit)
         axis.legend()
         made.append({"svg": Markup(_svg(figure, "gap over time", "Gap over time, and what is left of it")),
-                     "caption": "The gap over time, and what is left once the verdict is added, on samples the fit never saw."})  # fmt: skip
+                     "caption": f"The gap over time, and what is left once {added} is added, on samples the fit never saw."})  # fmt: skip
         figure, axes = _figure(9.2, 0.5 * len(found.waterfall) + 0.9, 1, 1)
         axis = axes[0, 0]
         names = [name.replace("_", " ") for name, _ in found.waterfall]

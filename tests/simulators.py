@@ -245,6 +245,16 @@ def maxwell_slip(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 3.0 * (1.0 - e) * x + out
 
 
+def drive_line(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """A drive line of a block diagram: damped contact beyond a clearance, and friction by a formula, strongest at breakaway."""
+    speed = np.gradient(x, time)
+    deep = np.sign(x) * np.maximum(np.abs(x) - 0.08 * (1.0 + e), 0.0)
+    touching = 1.0 / (1.0 + np.exp(-(np.abs(x) - 0.08 * (1.0 + e)) / 0.01))
+    slow = speed / 0.2
+    friction = 0.4 * np.tanh(speed / 0.05) + 0.3 * (1.0 - e) * np.sqrt(2.0 * np.e) * np.exp(-(slow**2)) * slow
+    return 6.0 * (1.0 - e) * deep + 0.3 * (1.0 + e) * touching * speed + friction
+
+
 def rolling(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """Hysteresis of rolling balls, all of which is stronger at rest."""
     slow = 1.0 + 0.3 * (1.0 + e) * np.exp(-np.abs(np.gradient(x, time)) / 0.5)
@@ -299,6 +309,7 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "two-sided": (two_sided, 0.005),
     "late and two-sided": (late_and_two_sided, 0.005),
     "Maxwell slip": (maxwell_slip, 0.01),
+    "drive line": (drive_line, 0.01),
     "rolling": (rolling, 0.005),
     "leaves": (leaves, 0.001),
     "hardly yielding": (hardly_yielding, 0.0003),

@@ -15,8 +15,9 @@ from hystbench.bench.cli import cli
 from hystbench.bench.console import execute
 from hystbench.datasets.recording_files import read_recording, write_recording
 from hystbench.diagnosis import registry
-from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
+from hystbench.diagnosis.diagnosis import NEAREST, Diagnosis, diagnose
 from hystbench.diagnosis.signals import COORDINATES, Signals
+from hystbench.diagnosis.wording import summary
 
 Floats = NDArray[np.float64]
 NOISE = 0.01
@@ -145,6 +146,24 @@ def test_a_simulator_that_is_off_is_no_missing_effect() -> None:
 def test_what_no_effect_explains_is_unknown() -> None:
     found = diagnose(signals(lambda t, x, y: 0.06 * np.sin(2 * np.pi * 4.7 * t)))
     assert found.verdict == ["unknown"]
+
+
+def test_of_what_is_unknown_it_is_told_what_comes_nearest_and_why_that_is_not_it() -> None:
+    def loose(t: Floats, x: Floats, y: Floats) -> Floats:
+        # Friction that drops by half while the joint is held from outside, as no listed effect does, every nine seconds.
+        return np.where(t % 9.0 > 6.0, -0.5, 0.0) * (y - 4.0 * x - 0.8 * x**3)
+
+    found = diagnose(signals(loose))
+    assert found.verdict == ["unknown"]
+    (reason,) = found.reasons
+    nearest = [term.effect.title for term in found.choice.hypothesis.terms]
+    assert nearest
+    assert all(title in reason for title in nearest)
+    assert reason in summary(found, designed=False)
+    # None of them is said to be probable, nor are steps shown that would be undone by others.
+    assert all(report.probability <= 1.0 - found.confidence for report in found.effects)
+    assert [name for name, _ in found.waterfall] == ["the simulator as it is", NEAREST]
+    assert found.waterfall[1][1] < found.waterfall[0][1] == found.rmse
 
 
 def test_two_effects_are_both_named() -> None:

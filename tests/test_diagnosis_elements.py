@@ -16,7 +16,7 @@ from hystbench.diagnosis.corrected import CorrectedSimulator
 from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.emulation import emulate
 from hystbench.diagnosis.generalised import Generalised, spring_of
-from hystbench.diagnosis.operators import hyperbolic
+from hystbench.diagnosis.operators import attracted, hyperbolic
 from hystbench.diagnosis.signals import Signals
 from hystbench.errors import InputError
 
@@ -189,6 +189,24 @@ def test_without_a_clock_nothing_is_said_of_how_long_things_take(joint: Joint, k
     signals = recorded(joint)
     assert kind in Generalised(signals).further
     assert kind not in Generalised(replace(signals, timed=False)).further
+
+
+@pytest.mark.parametrize("sudden", [False, True])
+def test_slip_element_that_is_sudden_slips_on_where_the_motion_stops_and_lets_go_at_once_where_its_level_falls(
+    sudden: bool,
+) -> None:
+    time = np.arange(600) * INTERVAL
+    # Forth at full speed, a rest, slowly on, slowly back and then fast.
+    x = np.interp(time, [0.0, 1.0, 2.0, 3.0, 4.0, 6.0], [0.0, 1.0, 1.0, 1.1, 1.05, -1.0])
+    fast = np.abs(np.gradient(x, time)) > 0.5
+    force = attracted(time, x, np.where(fast, 0.5, 1.0), 0.2, 0.3, sudden)
+    assert force[95] == pytest.approx(0.1, abs=1e-9)
+    # At rest it creeps up to what it holds there, or stays as it is.
+    assert force[195] == pytest.approx(0.2 if sudden else 0.1, abs=0.01)
+    back = 400 + int(np.argmax(fast[400:]))
+    assert force[back - 1] > 0.14
+    assert (force[back] < 0.1 + 1e-9) == sudden
+    assert force[-1] == pytest.approx(-0.1, abs=1e-6)
 
 
 def test_hyperbolic_friction_is_half_way_after_its_length_and_does_not_know_time() -> None:
