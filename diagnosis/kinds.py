@@ -18,18 +18,24 @@ from numpy.typing import NDArray
 
 from .masses import sliding
 from .motion import Extent, Motion
-from .operators import (
-    attracted,
-    dashed,
-    enveloped,
-    hardening,
-    hyperbolic,
-    leaky,
-    lowpass,
-    pinched,
-    plays,
-    smooth,
-    yielding,
+from .operators import dashed, hardening, leaky, pinched, smooth
+from .single_elements import (
+    at_low_speed,
+    by_speed,
+    by_speed_and_side,
+    curved,
+    curved_together,
+    in_contact,
+    kink,
+    lag,
+    lagging,
+    lagging_together,
+    leaves,
+    rubber,
+    slipping,
+    stops,
+    stribeck,
+    stronger_at_rest,
 )
 
 __all__ = ["ELASTIC", "KINDS", "KINKS", "MEMORY", "RATE", "Kind"]
@@ -118,145 +124,6 @@ def _timed(answer: Callable[..., Floats]) -> Callable[[Motion, Floats], Floats]:
     return _by_row(lambda motion, *sizes: motion.from_rest(lambda x, time: answer(time, x, *sizes), motion.time))
 
 
-def _kink(motion: Motion, place: float) -> Floats:
-    return np.asarray(np.maximum(motion.x - place, 0.0) if place > 0.0 else np.minimum(motion.x - place, 0.0))
-
-
-def _leaves(motion: Motion, length: float, back: float, growth: float) -> Floats:
-    """Friction between leaves, which are pressed together the more the farther they are bent."""
-    return length * motion.from_rest(enveloped, length=length, back=back, growth=growth)
-
-
-def _rubber(motion: Motion, length: float) -> Floats:
-    return length * motion.from_rest(hyperbolic, length=length)
-
-
-def _level(motion: Motion, pace: float, excess: float) -> Floats:
-    """The Stribeck curve: it falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1."""
-    return np.asarray(1.0 + excess * np.exp(-np.square(motion.speed / pace)))
-
-
-def _stribeck(motion: Motion, length: float, pace: float, excess: float, damping: float = 0.0) -> Floats:
-    """A LuGre element that yields at a level which falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1.
-
-    Its bristles resist their own speed by ``damping`` (s) times their stiffness.
-    """
-    level = _level(motion, pace, excess)
-    bristle = motion.from_rest(yielding, level, length=length)
-    bending = motion.speed - np.abs(motion.speed) * bristle / level
-    return length * bristle + damping * bending
-
-
-def _slipping(
-    motion: Motion, length: float, pace: float, excess: float, settling: float, sudden: bool = False
-) -> Floats:
-    """A Maxwell slip element that holds at a level which falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1."""
-    level = _level(motion, pace, excess)
-    return motion.from_rest(
-        lambda x, time, level: attracted(time, x, level, length, settling, sudden), motion.time, level
-    )
-
-
-def _late(motion: Motion, series: Floats, constant: float) -> Floats:
-    """``series`` (n,) as it is told behind a lag of the time constant ``constant``, s, settled where each run begins."""
-    return np.concatenate([lowpass(motion.time[run], series[run], constant) for run in motion.runs])
-
-
-def _by_speed(motion: Motion, pace: float, corner: float, ahead: float) -> Floats:
-    """A sign of the speed that grows linearly up to ``pace`` (rad/s), its corners there rounded over ``corner`` of it.
-
-    With wide ones it is a hyperbolic tangent. Engines for rigid bodies look at the speed that will be: ``ahead`` (s) times
-    the acceleration more.
-    """
-    asked = np.array([[1.0], [-1.0]]) * pace + motion.speed + ahead * motion.acceleration
-    size = np.abs(asked) / (corner * pace)
-    # Logarithms of cosines, for they overflow.
-    beyond, before = size + np.log1p(np.exp(-2.0 * size))
-    return np.asarray(0.5 * corner * (beyond - before))
-
-
-def _by_speed_and_side(motion: Motion, pace: float, ahead: float, width: float, late: float) -> Floats:
-    """A sign of the speed that is smooth over ``pace`` (rad/s) and turns earlier on the way back from either side.
-
-    By ``ahead`` of that, smooth over ``width`` (rad) about the middle; it follows with the time constant ``late``, s.
-    """
-    sign = np.tanh(motion.speed / pace + ahead * np.tanh(motion.x / width))
-    return _late(motion, sign, late)
-
-
-def _falling(motion: Motion, pace: float, corner: float) -> Floats:
-    """Friction that is there at low speeds only: it falls by ``pace`` (rad/s), its sign is smooth over ``corner`` (rad/s)."""
-    return np.asarray(np.tanh(motion.speed / corner) * np.exp(-np.square(motion.speed / pace)))
-
-
-def _in_contact(motion: Motion, place: float, width: float) -> Floats:
-    """Damping of what touches beyond ``place`` on either side, a little earlier or later by ``width``, rad."""
-    return np.asarray(0.5 * motion.speed * (1.0 + np.tanh((np.abs(motion.x) - place) / width)))
-
-
-def _lag(motion: Motion, constant: float) -> Floats:
-    return _late(motion, motion.x, constant) - motion.x
-
-
-def _plays(motion: Motion, half_widths: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Plays (n, k) of the different ones of so many half widths, and which of them each is."""
-    different, which = np.unique(half_widths, return_inverse=True)
-    return np.concatenate([plays(motion.path[run], different) for run in motion.runs]), which
-
-
-def _stops(motion: Motion, sizes: Floats) -> Floats:
-    played, which = _plays(motion, sizes[:, 0])
-    return np.asarray(motion.path[:, None] - played[:, which])
-
-
-def _stronger_at_rest(motion: Motion, sizes: Floats) -> Floats:
-    """Stops times what falls with the speed by a pace (rad/s)."""
-    return _stops(motion, sizes) * np.exp(-np.abs(motion.speed)[:, None] / sizes[:, 1])
-
-
-def _lagging(motion: Motion, sizes: Floats) -> Floats:
-    """What stops change by when each lags behind by a time constant."""
-    played, which = _plays(motion, sizes[:, 0])
-    stops = motion.path[:, None] - played
-    columns = np.empty((motion.x.size, len(sizes)))
-    for k, constant in enumerate(sizes[:, 1]):
-        stop = stops[:, which[k]]
-        columns[:, k] = _late(motion, stop, constant) - stop
-    return columns
-
-
-def _lagging_together(motion: Motion, sizes: Floats, weights: Floats) -> Floats:
-    """Stops with the same time constant lag as one."""
-    played, which = _plays(motion, sizes[:, 0])
-    total = np.zeros(motion.x.size)
-    for constant in np.unique(sizes[:, 1]):
-        shared = np.bincount(which, weights * (sizes[:, 1] == constant), played.shape[1])
-        stop = motion.path * shared.sum() - played @ shared
-        total += _late(motion, stop, constant) - stop
-    return total
-
-
-def _curved(motion: Motion, sizes: Floats) -> Floats:
-    """Products of powers of plays and of the deflection."""
-    played, which = _plays(motion, sizes[:, 0])
-    return np.asarray(played[:, which] ** sizes[:, 1] * motion.x[:, None] ** sizes[:, 2])
-
-
-def _curved_together(motion: Motion, sizes: Floats, weights: Floats) -> Floats:
-    """Plays with the same powers are multiplied as one."""
-    played, which = _plays(motion, sizes[:, 0])
-    total = np.zeros(motion.x.size)
-    for powers in np.unique(sizes[:, 1:], axis=0):
-        shared = np.bincount(which, weights * np.all(sizes[:, 1:] == powers, axis=1), played.shape[1])
-        total += _power(played, powers[0]) @ shared * _power(motion.x, powers[1])
-    return total
-
-
-def _power(base: Floats, exponent: float) -> Floats:
-    # Products take far less than powers.
-    return np.asarray(np.prod([base] * int(exponent), axis=0) if exponent in (1.0, 2.0, 3.0) else base**exponent)
-
-
 def _with(lengths: Floats, *others: tuple[float, ...]) -> Floats:
     """Each length with each of the other sizes, shape (k, m)."""
     return np.array([(length, *other) for length in lengths for other in others])
@@ -286,19 +153,19 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     KINKS: Kind(
         ELASTIC, False,
         lambda extent: extent.reach * np.linspace(-0.96, 0.96, PLACES)[:, None],
-        _by_row(_kink),
+        _by_row(kink),
     ),
     # Rubber: the friction of Berg (Vehicle System Dynamics 30, 1998).
     "rubber": Kind(
         MEMORY, True,
         lambda extent: extent.reach * np.geomspace(0.01, 1.0, 10)[:, None],
-        _by_row(_rubber),
+        _by_row(rubber),
     ),
     # Sliders at sharp deflections between those that are there in any case.
     "a few sharp sliders": Kind(
         MEMORY, True,
         lambda extent: extent.reach * np.geomspace(0.02, 1.0, 12)[:, None],
-        _stops,
+        stops,
         limits=lambda extent: extent.reach * np.array([[0.003], [3.0]]),
     ),
     "smooth yielding": Kind(
@@ -355,7 +222,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     "a few leaves": Kind(
         MEMORY, True,
         lambda extent: extent.leaf * _with(np.geomspace(0.01, 0.3, 6), (0.4, 0.3), (1.0, 0.6), (2.5, 0.3)),
-        _by_row(_leaves),
+        _by_row(leaves),
         {1: (0.0, np.inf)},
         limits=lambda extent: extent.leaf * [[0.002, 0.1, 0.01], [2.0, 10.0, 10.0]],
         all_along=True,
@@ -364,13 +231,13 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     "Stribeck friction": Kind(
         MEMORY, True,
         _stribeck_sizes,
-        _by_row(_stribeck),
+        _by_row(stribeck),
         by_speed=True,
     ),
     "a few Stribeck sliders": Kind(
         MEMORY, True,
         lambda extent: np.insert(_stribeck_sizes(extent), 3, 0.03 * extent.interval, axis=1),
-        _by_row(_stribeck),
+        _by_row(stribeck),
         limits=lambda extent: extent.sticky * [[0.001, 0.003, 0.02, 0.003], [1.0, 5.0, 6.0, 30.0]],
         later=(3,),
         by_speed=True,
@@ -379,7 +246,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     "a few slip elements": Kind(
         MEMORY, True,
         _slip_sizes,
-        _by_row(_slipping),
+        _by_row(slipping),
         {3: (0.0, np.inf)},
         timed=True,
         limits=_slip_limits,
@@ -389,7 +256,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     "a few sudden slip elements": Kind(
         MEMORY, True,
         _slip_sizes,
-        _by_row(functools.partial(_slipping, sudden=True)),
+        _by_row(functools.partial(slipping, sudden=True)),
         {3: (0.0, np.inf)},
         timed=True,
         limits=_slip_limits,
@@ -399,7 +266,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     "a few stops stronger at rest": Kind(
         MEMORY, True,
         lambda extent: extent.sticky[:2] * _with(np.geomspace(0.01, 0.6, 6), (0.2,), (0.6,), (2.0,)),
-        _stronger_at_rest,
+        stronger_at_rest,
         {1: (0.0, np.inf)},
         limits=lambda extent: extent.sticky[:2] * [[0.003, 0.01], [3.0, 5.0]],
         by_speed=True,
@@ -440,7 +307,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         lambda extent: extent.rigid * _with(
             np.geomspace(0.0005, 0.3, 12), *itertools.product((0.2, 5.0), (0.003, 0.3))
         ),
-        _by_row(_by_speed),
+        _by_row(by_speed),
         {0: (0.0, np.inf), 1: (0.0, np.inf)},
         limits=lambda extent: extent.rigid * [[1e-4, 0.05, 1e-3], [3.0, 50.0, 50.0]],
         by_speed=True,
@@ -449,7 +316,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     "friction at low speed": Kind(
         RATE, False,
         lambda extent: extent.fast * _with(np.geomspace(0.02, 1.0, 8), (0.05,), (0.5,)),
-        _by_row(_falling),
+        _by_row(at_low_speed),
         {0: (0.0, np.inf), 1: (0.0, np.inf)},
         limits=lambda extent: extent.fast * np.array([[0.003, 0.001], [5.0, 20.0]]),
         by_speed=True,
@@ -458,7 +325,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     "damping in contact": Kind(
         RATE, False,
         lambda extent: extent.reach * _with(np.geomspace(0.02, 0.8, 10), (0.01,), (0.05,)),
-        _by_row(_in_contact),
+        _by_row(in_contact),
         {0: (0.0, np.inf), 1: (0.0, np.inf)},
         timed=True,
         limits=lambda extent: extent.reach * np.array([[0.003, 0.001], [1.0, 0.3]]),
@@ -469,7 +336,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         lambda extent: extent.sided * _with(
             np.geomspace(0.03, 1.0, 6), *itertools.product((0.3, 1.5), (0.03, 0.3), (0.03,))
         ),
-        _by_row(_by_speed_and_side),
+        _by_row(by_speed_and_side),
         {0: (0.0, np.inf), 2: (0.0, np.inf), 3: (0.0, np.inf)},
         limits=lambda extent: extent.sided * [[0.003, 0.01, 0.003, 0.003], [5.0, 20.0, 3.0, 50.0]],
         later=(3,),
@@ -478,7 +345,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     "relaxation": Kind(
         RATE, False,
         lambda extent: np.geomspace(4.0 * extent.interval, extent.duration / 3.0, 7)[:, None],
-        _by_row(_lag),
+        _by_row(lag),
     ),
     # A Maxwell arm whose slider gives way, as in dampers of magnetorheological fluid: Spencer et al. (J. Eng. Mech. 123, 1997).
     "leaky sliders": Kind(
@@ -498,17 +365,17 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
             extent.reach * np.geomspace(0.02, 0.8, 6),
             *((constant,) for constant in np.geomspace(3.0 * extent.interval, extent.duration / 20.0, 5)),
         ),
-        _lagging,
+        lagging,
         {1: (0.0, np.inf)},
         timed=True,
-        together=_lagging_together,
+        together=lagging_together,
     ),
     "curved plays": Kind(
         MEMORY, False,
         lambda extent: _with(
             extent.reach * np.geomspace(0.009, 0.55, 6), (2.0, 0.0), (3.0, 0.0), (1.0, 2.0), (2.0, 1.0)
         ),
-        _curved,
-        together=_curved_together,
+        curved,
+        together=curved_together,
     ),
 })  # fmt: skip

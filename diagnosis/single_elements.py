@@ -1,0 +1,176 @@
+"""The torque of the elements that simulators of joints are made of, each for a weight of one.
+
+What takes sizes one by one gives one element, shape (n,); what takes ``sizes`` (k, m) gives all, shape (n, k).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .motion import Motion
+from .operators import attracted, enveloped, hyperbolic, lowpass, plays, yielding
+
+__all__ = [
+    "at_low_speed",
+    "by_speed",
+    "by_speed_and_side",
+    "curved",
+    "curved_together",
+    "in_contact",
+    "kink",
+    "lag",
+    "lagging",
+    "lagging_together",
+    "leaves",
+    "rubber",
+    "slipping",
+    "stops",
+    "stribeck",
+    "stronger_at_rest",
+]
+
+Floats = NDArray[np.float64]
+
+
+def kink(motion: Motion, place: float) -> Floats:
+    """A spring that engages beyond ``place``, rad, on its side of the middle."""
+    return np.asarray(np.maximum(motion.x - place, 0.0) if place > 0.0 else np.minimum(motion.x - place, 0.0))
+
+
+def leaves(motion: Motion, length: float, back: float, growth: float) -> Floats:
+    """Friction between leaves, which are pressed together the more the farther they are bent."""
+    return length * motion.from_rest(enveloped, length=length, back=back, growth=growth)
+
+
+def rubber(motion: Motion, length: float) -> Floats:
+    """Friction that has grown by half of what is left after ``length``, rad (Berg, Vehicle System Dynamics 30, 1998)."""
+    return length * motion.from_rest(hyperbolic, length=length)
+
+
+def _level(motion: Motion, pace: float, excess: float) -> Floats:
+    """The Stribeck curve: it falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1."""
+    return np.asarray(1.0 + excess * np.exp(-np.square(motion.speed / pace)))
+
+
+def stribeck(motion: Motion, length: float, pace: float, excess: float, damping: float = 0.0) -> Floats:
+    """A LuGre element that yields at a level which falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1.
+
+    Its bristles resist their own speed by ``damping`` (s) times their stiffness.
+    """
+    level = _level(motion, pace, excess)
+    bristle = motion.from_rest(yielding, level, length=length)
+    bending = motion.speed - np.abs(motion.speed) * bristle / level
+    return length * bristle + damping * bending
+
+
+def slipping(
+    motion: Motion, length: float, pace: float, excess: float, settling: float, sudden: bool = False
+) -> Floats:
+    """A Maxwell slip element that holds at a level which falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1."""
+    level = _level(motion, pace, excess)
+    return motion.from_rest(
+        lambda x, time, level: attracted(time, x, level, length, settling, sudden), motion.time, level
+    )
+
+
+def _late(motion: Motion, series: Floats, constant: float) -> Floats:
+    """``series`` (n,) as it is told behind a lag of the time constant ``constant``, s, settled where each run begins."""
+    return np.concatenate([lowpass(motion.time[run], series[run], constant) for run in motion.runs])
+
+
+def by_speed(motion: Motion, pace: float, corner: float, ahead: float) -> Floats:
+    """A sign of the speed that grows linearly up to ``pace`` (rad/s), its corners there rounded over ``corner`` of it.
+
+    With wide ones it is a hyperbolic tangent. Engines for rigid bodies look at the speed that will be: ``ahead`` (s) times
+    the acceleration more.
+    """
+    asked = np.array([[1.0], [-1.0]]) * pace + motion.speed + ahead * motion.acceleration
+    size = np.abs(asked) / (corner * pace)
+    # Logarithms of cosines, for they overflow.
+    beyond, before = size + np.log1p(np.exp(-2.0 * size))
+    return np.asarray(0.5 * corner * (beyond - before))
+
+
+def by_speed_and_side(motion: Motion, pace: float, ahead: float, width: float, late: float) -> Floats:
+    """A sign of the speed that is smooth over ``pace`` (rad/s) and turns earlier on the way back from either side.
+
+    By ``ahead`` of that, smooth over ``width`` (rad) about the middle; it follows with the time constant ``late``, s.
+    """
+    sign = np.tanh(motion.speed / pace + ahead * np.tanh(motion.x / width))
+    return _late(motion, sign, late)
+
+
+def at_low_speed(motion: Motion, pace: float, corner: float) -> Floats:
+    """Friction that is there at low speeds only: it falls by ``pace`` (rad/s), its sign is smooth over ``corner`` (rad/s)."""
+    return np.asarray(np.tanh(motion.speed / corner) * np.exp(-np.square(motion.speed / pace)))
+
+
+def in_contact(motion: Motion, place: float, width: float) -> Floats:
+    """Damping of what touches beyond ``place`` on either side, a little earlier or later by ``width``, rad."""
+    return np.asarray(0.5 * motion.speed * (1.0 + np.tanh((np.abs(motion.x) - place) / width)))
+
+
+def lag(motion: Motion, constant: float) -> Floats:
+    """By how much a deflection that follows with the time constant ``constant``, s, is behind."""
+    return _late(motion, motion.x, constant) - motion.x
+
+
+def _plays(motion: Motion, half_widths: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """Plays (n, k) of the different ones of so many half widths, and which of them each is."""
+    different, which = np.unique(half_widths, return_inverse=True)
+    return np.concatenate([plays(motion.path[run], different) for run in motion.runs]), which
+
+
+def stops(motion: Motion, sizes: Floats) -> Floats:
+    """Springs with sliders that give way at their first size, rad."""
+    played, which = _plays(motion, sizes[:, 0])
+    return np.asarray(motion.path[:, None] - played[:, which])
+
+
+def stronger_at_rest(motion: Motion, sizes: Floats) -> Floats:
+    """Stops times what falls with the speed by a pace (rad/s)."""
+    return stops(motion, sizes) * np.exp(-np.abs(motion.speed)[:, None] / sizes[:, 1])
+
+
+def lagging(motion: Motion, sizes: Floats) -> Floats:
+    """What stops change by when each lags behind by a time constant."""
+    played, which = _plays(motion, sizes[:, 0])
+    stops = motion.path[:, None] - played
+    columns = np.empty((motion.x.size, len(sizes)))
+    for k, constant in enumerate(sizes[:, 1]):
+        stop = stops[:, which[k]]
+        columns[:, k] = _late(motion, stop, constant) - stop
+    return columns
+
+
+def lagging_together(motion: Motion, sizes: Floats, weights: Floats) -> Floats:
+    """Stops with the same time constant lag as one."""
+    played, which = _plays(motion, sizes[:, 0])
+    total = np.zeros(motion.x.size)
+    for constant in np.unique(sizes[:, 1]):
+        shared = np.bincount(which, weights * (sizes[:, 1] == constant), played.shape[1])
+        stop = motion.path * shared.sum() - played @ shared
+        total += _late(motion, stop, constant) - stop
+    return total
+
+
+def curved(motion: Motion, sizes: Floats) -> Floats:
+    """Products of powers of plays and of the deflection."""
+    played, which = _plays(motion, sizes[:, 0])
+    return np.asarray(played[:, which] ** sizes[:, 1] * motion.x[:, None] ** sizes[:, 2])
+
+
+def curved_together(motion: Motion, sizes: Floats, weights: Floats) -> Floats:
+    """Plays with the same powers are multiplied as one."""
+    played, which = _plays(motion, sizes[:, 0])
+    total = np.zeros(motion.x.size)
+    for powers in np.unique(sizes[:, 1:], axis=0):
+        shared = np.bincount(which, weights * np.all(sizes[:, 1:] == powers, axis=1), played.shape[1])
+        total += _power(played, powers[0]) @ shared * _power(motion.x, powers[1])
+    return total
+
+
+def _power(base: Floats, exponent: float) -> Floats:
+    # Products take far less than powers.
+    return np.asarray(np.prod([base] * int(exponent), axis=0) if exponent in (1.0, 2.0, 3.0) else base**exponent)
