@@ -139,13 +139,17 @@ def _stribeck_sizes(extent: Extent) -> Floats:
     return _with(extent.reach * np.array([0.004, 0.012, 0.04, 0.12]), *others)
 
 
-def _slip_sizes(extent: Extent) -> Floats:
-    others = itertools.product((0.2, 0.6, 2.0), (0.4,), (1.0, 8.0))
-    return np.asarray(extent.sticky * _with(np.geomspace(0.003, 0.3, 6), *others))
-
-
-def _slip_limits(extent: Extent) -> Floats:
-    return np.asarray(extent.sticky * [[0.001, 0.003, 0.02, 0.05], [1.0, 5.0, 6.0, 100.0]])
+def _slip_elements(column: Callable[..., Floats]) -> Kind:
+    others = tuple(itertools.product((0.2, 0.6, 2.0), (0.4,), (1.0, 8.0)))
+    return Kind(
+        MEMORY, True,
+        lambda extent: np.asarray(extent.sticky * _with(np.geomspace(0.003, 0.3, 6), *others)),
+        _by_row(column),
+        {3: (0.0, np.inf)},
+        timed=True,
+        limits=lambda extent: np.asarray(extent.sticky * [[0.001, 0.003, 0.02, 0.05], [1.0, 5.0, 6.0, 100.0]]),
+        by_speed=True,
+    )  # fmt: skip
 
 
 KINDS: Mapping[str, Kind] = MappingProxyType({
@@ -243,25 +247,9 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         by_speed=True,
     ),
     # Generalised Maxwell slip: Lampaert, Al-Bender and Swevers (Physics and Control, 2003).
-    "a few slip elements": Kind(
-        MEMORY, True,
-        _slip_sizes,
-        _by_row(slipping),
-        {3: (0.0, np.inf)},
-        timed=True,
-        limits=_slip_limits,
-        by_speed=True,
-    ),
+    "a few slip elements": _slip_elements(slipping),
     # The same as it is often written.
-    "a few sudden slip elements": Kind(
-        MEMORY, True,
-        _slip_sizes,
-        _by_row(functools.partial(slipping, sudden=True)),
-        {3: (0.0, np.inf)},
-        timed=True,
-        limits=_slip_limits,
-        by_speed=True,
-    ),
+    "a few sudden slip elements": _slip_elements(functools.partial(slipping, sudden=True)),
     # Hysteresis that as a whole is stronger at rest, as rolling friction: Swevers et al. (IEEE TAC 45, 2000).
     "a few stops stronger at rest": Kind(
         MEMORY, True,
