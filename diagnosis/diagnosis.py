@@ -299,8 +299,7 @@ def _named(choice: Choice) -> list[str]:
 
 
 def _closed(signals: Signals, choice: Choice, seed: int) -> float:
-    recalibration = choice.held.recalibration if choice.miscalibrated else 0.0
-    return _closed_by(signals, choice.held.signal + recalibration, seed)[1]
+    return _closed_by(signals, choice.explained, seed)[1]
 
 
 def _closed_by(signals: Signals, part: Floats, seed: int) -> tuple[float, float, list[float]]:
@@ -417,8 +416,8 @@ def _waterfall(signals: Signals, choice: Choice, named: Sequence[str]) -> list[t
     steps = [("the simulator as it is", rms(left))]
     if choice.verdict == [UNKNOWN]:
         # No step of it is believed, and some would be undone by others.
-        nearest = choice.held.signal + choice.held.recalibration * choice.miscalibrated
-        return [*steps, (NEAREST, rms(left - nearest[rows]))] if np.any(nearest) else steps
+        nearest = choice.explained[rows]
+        return [*steps, (NEAREST, rms(left - nearest))] if np.any(nearest) else steps
     parts = {name: choice.held.parts[name][rows] for name in named}
     if choice.miscalibrated:
         parts[MISCALIBRATION] = choice.held.recalibration[rows]

@@ -184,17 +184,21 @@ class Generalised:
         others = np.hstack([placed_stops, self._rates()])[some]
         elements = {STOPS: self.sign * stops[some], ELASTIC: elastic[some], "others": others}
 
+        def sampled(names: Collection[str]) -> dict[str, Floats]:
+            return {
+                name: (self.sign if kinds[name].one_sign else 1.0) * kinds[name].columns(self.motion, sizes[name])[some]
+                for name in names
+            }
+
+        made = sampled(sizes)
+
         def chosen_of(
             growing: Sequence[str], moved: Collection[str] = (), needed: Collection[str] = ()
         ) -> dict[str, NDArray[np.intp]]:
             """Elements that are needed of the kinds ``growing`` and of those ``moved``, of which some are ``needed`` in any case."""
             kept = [name for name in sizes if name in moved or name in growing]
-            made = elements | {
-                name: (self.sign if kinds[name].one_sign else 1.0) * kinds[name].columns(self.motion, sizes[name])[some]
-                for name in kept
-            }
             of_one_sign = [STOPS, *(name for name in kept if kinds[name].one_sign)]
-            selection = Selection(made, signals.y_sim[some], of_one_sign)
+            selection = Selection(elements | {name: made[name] for name in kept}, signals.y_sim[some], of_one_sign)
             places = selection.places
             base = {STOPS: places[STOPS][few]} | {name: places[name] for name in (ELASTIC, "others", *needed)}
             chosen = selection.grow(base, growing, [KINKS])
@@ -217,6 +221,7 @@ class Generalised:
             if chosen and not more:
                 break
             sizes |= more
+            made |= sampled(more)
             before, chosen = chosen, chosen_of(growing, [*needed, *more], needed)
             # What some kinds leave may be another's, which hardly helped beside all that.
             new = [name for name in chosen if name in sizes and name not in before]

@@ -6,16 +6,14 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from .effects.base import CLOCKS
-from .names import MISCALIBRATION, UNKNOWN
-from .verdict import Choice
+from .names import MISCALIBRATION, UNKNOWN, enumerated
+from .verdict import ENOUGH, Choice
 
 if TYPE_CHECKING:
     from .diagnosis import EffectReport
 
 __all__ = ["reasons"]
 
-ENOUGH = 0.5
-"""Share of a gap that its explanation must close to be named."""
 WORTH_SAYING = 0.2
 """Share of a gap that one effect must close by itself to be told as the nearest of all."""
 
@@ -62,7 +60,7 @@ def _nearest(choice: Choice, closed: float, reports: Sequence[EffectReport]) -> 
         parts.append("the simulator's own parameters, which would be off")
     if not parts:
         return "nothing that is known here comes near it"
-    what = parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
+    what = enumerated(parts)
     share = f"{100.0 * max(closed, 0.0):.0f} %"
     left, forgiven = choice.features["in_sample_left"], choice.features["forgiven"]
     if closed < ENOUGH:

@@ -25,7 +25,7 @@ from .rivals import SAME_BY_EYE, TEMPERATURE, effective_share, is_nested, is_poo
 from .search import NOTHING
 from .spikes import OUTLIERS, spikes
 
-__all__ = ["Choice", "choose"]
+__all__ = ["ENOUGH", "Choice", "choose"]
 
 Floats = NDArray[np.float64]
 NEEDED = 0.3
@@ -56,6 +56,8 @@ CLEARLY_WORSE = 0.004
 """Evidence a sample by which smaller errors must do worse than errors of a tenth for these to be needed."""
 CALIBRATED = 0.8
 """Share of a clear gap that a calibration alone must close."""
+ENOUGH = 0.5
+"""The same of any gap and any explanation, to be named."""
 NEGLIGIBLE = 0.7
 """An effect smaller than this share of the noise is no gap beyond the noise."""
 LITTLE = 0.1
@@ -114,6 +116,11 @@ class Choice:
     """The effect that explains the gap, but goes on with another clock than it should."""
     factor: float = 0.0
     """Relative error of all that the simulator says which alone makes the gap, where no effect known here does that; 0 otherwise."""
+
+    @property
+    def explained(self) -> Floats:
+        """What the hypothesis and the simulator's errors, where it is off, make of the gap on samples that no fit saw, shape (n,)."""
+        return self.held.signal + self.held.recalibration if self.miscalibrated else self.held.signal
 
 
 def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
@@ -457,7 +464,7 @@ def _inadequate(evidence: Evidence, features: dict[str, float]) -> bool:
     if cancels and not evidence.fitted:
         return True
     # A simulator that is only off closes nearly all once it is calibrated, also where the calibration did not look.
-    enough = CALIBRATED if not features["effects"] and gap > 3.0 else 0.5
+    enough = CALIBRATED if not features["effects"] and gap > 3.0 else ENOUGH
     return features["in_sample_left"] > features["forgiven"] or (features["closed"] < enough and gap > BARELY)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from .diagnosis import Diagnosis
-from .names import MISCALIBRATION, UNKNOWN
+from .names import MISCALIBRATION, UNKNOWN, enumerated
 
 __all__ = ["sentence", "summary"]
 
@@ -32,9 +32,8 @@ def sentence(found: Diagnosis) -> str:
     named = [titles.get(name, name) + _instead(found, name) for name in found.verdict if name != MISCALIBRATION]
     if MISCALIBRATION in found.verdict:
         named.append("the simulator's own parameters, which are off")
-    cause = named[0] if len(named) == 1 else f"{', '.join(named[:-1])} and {named[-1]}"
     closed = min(max(found.closed_in_all, 0.0), 1.0)
-    return f"{gap} comes from {cause}; {'correcting' if too_much else 'adding'} that closes {100.0 * closed:.0f} % of it {sure}."
+    return f"{gap} comes from {enumerated(named)}; {'correcting' if too_much else 'adding'} that closes {100.0 * closed:.0f} % of it {sure}."
 
 
 def _instead(found: Diagnosis, name: str) -> str:

@@ -141,8 +141,7 @@ def _where_figures(found: Diagnosis) -> list[dict[str, Any]]:
 
 def _closing_figures(found: Diagnosis) -> list[dict[str, Any]]:
     signals = found.signals
-    held = found.choice.held
-    left = signals.gap - held.signal - (held.recalibration if found.choice.miscalibrated else 0.0)
+    left = signals.gap - found.choice.explained
     gap, left = signals.gap[signals.judged], left[signals.judged]
     # Several recordings have no time in common.
     at_times = signals.timed and len(signals.runs) == 1
