@@ -17,6 +17,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ..models.least_squares import blocks, reduced
 from .effects.base import INPUT, SENSOR, TORQUE, Effect, Form
 from .emulation import SimulatorScene
 from .operators import rms
@@ -269,11 +270,13 @@ class Evidence:
         # In units of the noise, for the largest errors: directions that even these move by less are the noise's.
         largest = np.max(self.scales, axis=0)
         weights = np.repeat(largest / self.sigma, [structure.shape[1], bulk.shape[1]])
-        left, singular, right = np.linalg.svd(np.hstack([structure, bulk]) * weights, full_matrices=False)
+        tangents = np.hstack([structure, bulk])
+        triangle = reduced(tangents[part] * weights for part in blocks(self.gap.size))
+        _, singular, right = np.linalg.svd(triangle, full_matrices=False)
         kept = singular > max(NOTICEABLE, 1e-5 * float(singular[0]))
-        self._basis = left[:, kept]
-        # The same combinations of tangents on every sample, those that this fit does not see included.
+        # Combinations of tangents that are as well on every sample, those that this fit does not see included.
         self._to_basis = weights[:, None] * (right[kept].T / singular[kept])
+        self._basis = tangents @ self._to_basis
         factor = singular[kept, None] * right[kept]
         split = structure.shape[1]
         self._gap_in_basis = self._basis.T @ self.gap

@@ -257,10 +257,8 @@ class Generalised:
         elastic = _elastic(motion.x, self.reach)
         columns = np.hstack([part[some] for part in (elastic, elements, rates, friction)])
         columns /= np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
-        basis, sizes, _ = np.linalg.svd(columns, full_matrices=False)
-        basis = basis[:, sizes > 1e-4 * sizes[0]]
         target = self.signals.y_sim[some]
-        return rms(target - basis @ (basis.T @ target))
+        return rms(target - columns @ np.linalg.lstsq(columns, target, rcond=1e-4)[0])
 
     @cached_property
     def _extent(self) -> Extent:

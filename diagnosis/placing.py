@@ -26,6 +26,8 @@ STEPS, MORE = 10, 30
 """Steps of the optimiser for each element that is added, and once all are there."""
 ROWS = 1400
 """Samples that are enough to place elements by."""
+WIDE = 2e-3
+"""Step along a size's logarithm for its slope: wide enough to see past the corners where a slider gives way."""
 RIDGE = 1e-8
 """Strength of the ridge on the columns beside them."""
 HOPELESS, COSTLY = 0.97, 0.95
@@ -136,15 +138,30 @@ class _Maker:
         which, made = np.tile(moving, count), logs.copy()
         within = np.tile(self._low, count)[which], np.tile(self._high, count)[which]
 
-        def left(moved: Floats) -> Floats:
+        def at(moved: Floats) -> Floats:
             made[which] = moved
-            return self._left(made)
+            return made
 
-        # Wide enough to see past the corners where a slider gives way.
-        wide = np.full(within[0].size, 1e-3)
-        found = least_squares(left, logs[which], bounds=within, max_nfev=steps, diff_step=wide)
-        made[which] = found.x
-        return made, float(np.linalg.norm(found.fun))
+        def slopes(moved: Floats) -> Floats:
+            return self._slopes(at(moved).reshape(count, -1), moving)
+
+        found = least_squares(lambda moved: self._left(at(moved)), logs[which], slopes, bounds=within, max_nfev=steps)
+        return at(found.x), float(np.linalg.norm(found.fun))
+
+    def _slopes(self, logs: Floats, moving: NDArray[np.bool_]) -> Floats:
+        """Slopes of what is left by each size that moves (rows, any), their weights held (Kaufman, BIT 15, 1975)."""
+        columns = self._columns(logs)
+        own, upper = np.linalg.qr(columns)
+        weights = np.linalg.lstsq(upper, own.T @ self._goal, rcond=None)[0]
+        # Towards the farther limit.
+        steps = np.where(2.0 * logs < self._low + self._high, WIDE, -WIDE)
+        changes = [
+            weight * (self._column(tuple(there)) - column) / step[at]
+            for column, weight, row, step in zip(columns.T, weights, logs, steps, strict=True)
+            for at, there in zip(np.flatnonzero(moving), (row + np.diag(step))[moving].tolist(), strict=True)
+        ]
+        made = np.column_stack(changes)
+        return np.asarray(own @ (own.T @ made) - made)
 
     def _added(self, logs: Floats) -> tuple[Floats, float]:
         """The same with one element more, from where it helps most; without it where it hardly helps."""
