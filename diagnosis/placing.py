@@ -142,10 +142,13 @@ class _Maker:
             made[which] = moved
             return made
 
+        def left(moved: Floats) -> Floats:
+            return self._left(at(moved))
+
         def slopes(moved: Floats) -> Floats:
             return self._slopes(at(moved).reshape(count, -1), moving)
 
-        found = least_squares(lambda moved: self._left(at(moved)), logs[which], slopes, bounds=within, max_nfev=steps)
+        found = least_squares(left, logs[which], slopes, bounds=within, max_nfev=steps)
         return at(found.x), float(np.linalg.norm(found.fun))
 
     def _slopes(self, logs: Floats, moving: NDArray[np.bool_]) -> Floats:
