@@ -114,7 +114,9 @@ class _Profile:
         free = (fitted.coefficients > lower) & (fitted.coefficients < upper)
         made, basis = self._whitened(made), self._whitened(columns[rows][:, free])
         gram = basis.T @ basis
-        ridge = RIDGE * np.diag(np.maximum(np.diag(gram), 1e-300))
+        # What has no torque here, as a limit beyond all torque, has no ridge of its own size.
+        size = np.diag(gram)
+        ridge = RIDGE * np.diag(np.where(size > 0.0, size, 1.0))
         return basis @ np.linalg.solve(gram + ridge, basis.T @ made) - made
 
     def _fit(self, values: Floats) -> Hypothesis:

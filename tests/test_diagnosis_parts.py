@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -16,6 +18,7 @@ from hystbench.diagnosis.excitation import Limits, candidate_motions
 from hystbench.diagnosis.heldout import _folds, closed_share
 from hystbench.diagnosis.noise import structured_power
 from hystbench.diagnosis.operators import bristle, lowpass, plays
+from hystbench.diagnosis.refinement import refine
 from hystbench.diagnosis.signals import Signals
 
 
@@ -59,6 +62,26 @@ def test_a_set_is_fitted_beside_an_exact_simulator_as_if_there_were_no_other() -
     for scale in evidence.exact:
         # The torque so far is that of the likeliest of these: another's own would do better by 1.3.
         assert among_all.by_scale[scale] >= evidence.fit(terms, (scale,)).score - 1.5
+
+
+def test_shapes_are_refined_beside_a_law_without_torque_here() -> None:
+    """As a limit that other effects leave no torque for."""
+    time = np.arange(3000) * 0.01
+    x = np.sin(1.9 * time) * (0.6 + 0.3 * np.sin(0.3 * time)) + 0.2 * np.sin(5.2 * time)
+    sim = 4.0 * x + 2.0 * (x - plays(x, np.array([0.1]))[:, 0])
+    real = sim + 0.3 * np.tanh(np.gradient(x, time) / 0.2)
+    recorded = Signals(time, x, real, sim, [slice(0, x.size)], {})
+    evidence = Evidence(SimulatorScene(recorded, emulate(recorded, None)))
+    friction, limit = (registry.get(name)() for name in ("coulomb_friction", "torque_saturation"))
+    law = next(form for form in friction.forms(evidence.scene) if form.shapes)
+    beyond = replace(
+        next(form for form in limit.forms(evidence.scene) if form.name == "hard"),
+        columns=lambda scene, shape: np.zeros((x.size, 1)), lower=(-np.inf,), upper=(np.inf,),
+    )  # fmt: skip
+    start = evidence.fit([Term(friction, law, law.grid[0]), Term(limit, beyond, (3.0,))])
+    refined = refine(evidence, start, 20)
+    assert refined.score > start.score
+    assert np.all(np.isfinite(refined.signal))
 
 
 def test_evidence_beside_a_simulator_that_is_off_is_that_of_normal_errors_of_its_parameters() -> None:
