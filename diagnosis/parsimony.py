@@ -28,6 +28,8 @@ MANY = 3
 """Of so many effects beside an exact simulator, one might be what stands in for a refit."""
 PATCHES = 0.3
 """Evidence a sample that further effects may bring although there is nothing left for them to explain."""
+FURTHER = 0.05
+"""The same beside an exact simulator, where nothing but a law that is not quite exact gives them anything to explain."""
 
 
 def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) -> Hypothesis:
@@ -110,18 +112,16 @@ def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, e
     if evidence.fitted or not best.terms or (len(best.terms) == 1 and not is_refitted(best.scale)):
         return best
     exact = hardly_worse(evidence, best)
-    if exact is not best:
-        return exact
     gap = float(np.sqrt(energy)) / evidence.sigma
     if gap < WELL_ABOVE:
-        return best
-    allowed, least = INEXACT_NEAR * gap, best.score - PATCHES * evidence.effective
+        return exact
+    allowed, least = INEXACT_NEAR * gap, best.score - (PATCHES if exact is best else FURTHER) * evidence.effective
 
     def leaves_little(hypothesis: Hypothesis) -> bool:
         return left_by(evidence, hypothesis) <= allowed
 
     blank = next(h for h in ranked if not h.terms)
-    if leaves_little(blank):
+    if exact is best and leaves_little(blank):
         # A simulator that is off would do: it needs no effects beside it, but where there are any it may be right.
         return blank if len(best.terms) > 1 and is_refitted(best.scale) and blank.score > least else best
     for size in range(1, len(best.terms) + 1):
@@ -134,7 +134,7 @@ def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, e
                 made.append((beside.score, _in_place_of(hypothesis, beside)))
         if made:
             return max(made, key=lambda pair: pair[0])[1]
-    return best
+    return exact
 
 
 def hardly_worse(evidence: Evidence, hypothesis: Hypothesis) -> Hypothesis:
