@@ -28,7 +28,7 @@ from .spikes import OUTLIERS, spikes
 __all__ = ["ENOUGH", "Choice", "choose"]
 
 Floats = NDArray[np.float64]
-NEEDED = 0.3
+NEEDED = 0.2
 """Evidence a sample by which an effect must be needed beside a simulator that is off by a tenth."""
 BESIDE_ENOUGH = 0.09
 """The same where that simulator alone leaves no more than an inexact law may."""
