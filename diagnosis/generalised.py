@@ -7,7 +7,7 @@ that is not good enough what simulators are made of besides (see :mod:`hystbench
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from functools import cached_property
 from typing import Any
 
@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .elements import kinks_moved, stronger_of, tangents, torque_of, uncancelled
+from .growth import PLACED, RATES, STOPS, Growth
 from .kinds import ELASTIC, KINDS, KINKS, MEMORY
 from .motion import DIFFERENCES, Extent, Motion
 from .operators import bristle, plays, rms, weighed
-from .placing import placed
-from .selection import CLEARLY, EXACT, Selection, places_of, solve, spread, triangle
+from .selection import CLEARLY, places_of, solve, spread, triangle
 from .signals import Signals, differentiate
 
 __all__ = ["Generalised", "motion_of", "predict_generalised", "relative_error", "spring_of", "strength_of"]
@@ -27,20 +27,16 @@ __all__ = ["Generalised", "motion_of", "predict_generalised", "relative_error", 
 Floats = NDArray[np.float64]
 ELEMENTS, FINER = 14, 40
 """Stops; the finer ones contain the others."""
-STOPS, BY_SPEED = "stops", "friction by speed"
+BY_SPEED = "friction by speed"
 SMOOTH = "smooth"
 """Derivatives of the motion without its noise."""
 BRISTLES = 5
-ROUNDS = 2
-"""Kinds of elements with sizes to move that are taken in one after the other, at most."""
 PLACINGS = 4
 """Steps in which kinks are moved to their places."""
 RATES_NEEDED = 1.1
 """Error without the rate terms, over that with them, from which they are needed."""
 EMULATED = 0.001
 """Error, as a share of the output, from which further elements are looked for."""
-WELL_EMULATED = 0.002
-"""The same from which further kinds are looked for that may need to be there together."""
 PLACES = 4
 """Ways in which an element's torque may depend on where it is."""
 STEEPNESS = (0.02, 0.08, 0.3)
@@ -135,7 +131,7 @@ class Generalised:
         self.thresholds = _thresholds(self.reach, elements)
         elastic, stops, placed = self._parts(self.thresholds)
         made = {name: KINDS[name].columns(self.motion, sizes) for name, sizes in further.items()}
-        free = {ELASTIC: elastic, "placed": placed, "rates": self._rates()}
+        free = {ELASTIC: elastic, PLACED: placed, RATES: self._rates()}
         free |= {name: made[name] for name in made if not KINDS[name].one_sign}
         bounded = {STOPS: sign * stops} | {name: sign * made[name] for name in made if KINDS[name].one_sign}
         columns = np.hstack([*free.values(), *bounded.values()])
@@ -153,12 +149,12 @@ class Generalised:
         solution, self.error = solved(everything)
         # Speed is as good as friction where all strokes are alike, but it answers quite differently to another input:
         # it has to be needed.
-        calm, without = solved(np.delete(everything, places["rates"]))
+        calm, without = solved(np.delete(everything, places[RATES]))
         if without < RATES_NEEDED * self.error:
             solution, self.error = calm, without
         found = {name: solution[at] * (sign if name in bounded else 1.0) for name, at in places.items()}
         self.elastic, self.placed, self.rates, self.weights = (
-            found.pop(name) for name in (ELASTIC, "placed", "rates", STOPS)
+            found.pop(name) for name in (ELASTIC, PLACED, RATES, STOPS)
         )
         self.further = {
             name: {"sizes": further[name][weights != 0.0], "weights": weights[weights != 0.0]}
@@ -168,70 +164,17 @@ class Generalised:
 
     def _enlarged(self, placing: Collection[str]) -> tuple[int, dict[str, Floats]]:
         """How many stops, and the sizes of which further elements, are needed."""
-        signals = self.signals
-        elastic, stops, placed_stops = self._parts(_thresholds(self.reach, FINER))
-        extent = self._extent
-        kinds = {name: kind for name, kind in KINDS.items() if signals.timed or not kind.timed}
-        sizes = {name: kind.sizes(extent) for name, kind in kinds.items() if kind.limits is None}
-        growing = [STOPS, *sizes]
+        signals, extent = self.signals, self._extent
+        elastic, stops, placed = self._parts(_thresholds(self.reach, FINER))
+        there = {ELASTIC: elastic, STOPS: stops, PLACED: placed, RATES: self._rates()}
         few = np.concatenate([np.arange(0, FINER, _spacing(FINER)), np.arange(FINER, stops.shape[1])])
-        beside = np.hstack([elastic, stops[:, few], self._rates()])
-        movable = {name: kind for name, kind in kinds.items() if kind.limits and name in placing}
+        kinds = dict(KINDS)
         if not signals.timed:
             # There is no telling at which speed anything gives way.
-            movable = {name: kind for name, kind in movable.items() if not kind.by_speed}
-        some = spread(signals.x.size)
-        others = np.hstack([placed_stops, self._rates()])[some]
-        elements = {STOPS: self.sign * stops[some], ELASTIC: elastic[some], "others": others}
-
-        def sampled(names: Collection[str]) -> dict[str, Floats]:
-            return {
-                name: (self.sign if kinds[name].one_sign else 1.0) * kinds[name].columns(self.motion, sizes[name])[some]
-                for name in names
-            }
-
-        made = sampled(sizes)
-
-        def chosen_of(
-            growing: Sequence[str], moved: Collection[str] = (), needed: Collection[str] = ()
-        ) -> dict[str, NDArray[np.intp]]:
-            """Elements that are needed of the kinds ``growing`` and of those ``moved``, of which some are ``needed`` in any case."""
-            kept = [name for name in sizes if name in moved or name in growing]
-            of_one_sign = [STOPS, *(name for name in kept if kinds[name].one_sign)]
-            selection = Selection(elements | {name: made[name] for name in kept}, signals.y_sim[some], of_one_sign)
-            places = selection.places
-            base = {STOPS: places[STOPS][few]} | {name: places[name] for name in (ELASTIC, "others", *needed)}
-            chosen = selection.grow(base, growing, [KINKS])
-            for name in (name for name in moved if name not in needed):
-                with_moved = selection.grow(base | {name: places[name]}, growing, [KINKS])
-                # Sliders with mass also round corners that have nothing to do with mass.
-                if selection.error(with_moved) < CLEARLY * selection.error(chosen):
-                    chosen = with_moved
-            return {name: at - places[name][0] for name, at in chosen.items()}
-
-        # Where the spring has corners, what is left without them says little of the rest.
-        kinks = chosen_of([KINKS]).get(KINKS, np.empty(0, dtype=np.intp))
-        there = [beside, kinds[KINKS].columns(self.motion, sizes[KINKS][kinks])] if kinks.size else [beside]
-        chosen: dict[str, NDArray[np.intp]] = {}
-        needed: list[str] = []
-        for _ in range(ROUNDS):
-            rest = {name: kind for name, kind in movable.items() if name not in needed}
-            enough = WELL_EMULATED if chosen else EXACT
-            more = placed(rest, extent, self.motion, np.hstack(there), signals.y_sim, enough)
-            if chosen and not more:
-                break
-            sizes |= more
-            made |= sampled(more)
-            before, chosen = chosen, chosen_of(growing, [*needed, *more], needed)
-            # What some kinds leave may be another's, which hardly helped beside all that.
-            new = [name for name in chosen if name in sizes and name not in before]
-            there += [kinds[name].columns(self.motion, sizes[name][chosen[name]]) for name in new]
-            needed = [name for name in chosen if name in movable]
-            if not new:
-                break
-        finer = chosen.pop(STOPS).size > few.size
-        del chosen[ELASTIC], chosen["others"]
-        return FINER if finer else ELEMENTS, {name: sizes[name][at] for name, at in chosen.items()}
+            kinds = {name: kind for name, kind in KINDS.items() if not (kind.timed or (kind.limits and kind.by_speed))}
+        growth = Growth(there, few, self.sign, kinds, extent, self.motion, signals.y_sim)
+        finer, further = growth.needed(placing)
+        return FINER if finer else ELEMENTS, further
 
     def _placed_kinks(self) -> Floats:
         """Sizes of the kinks, moved to where they leave least, by one step of a Gauss-Newton method."""

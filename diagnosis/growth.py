@@ -1,0 +1,122 @@
+"""Which elements an emulator takes in besides those that it has in any case."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .kinds import ELASTIC, KINKS, Kind
+from .motion import Extent, Motion
+from .placing import placed
+from .selection import CLEARLY, EXACT, Selection, spread
+
+__all__ = ["PLACED", "RATES", "STOPS", "Growth"]
+
+Floats = NDArray[np.float64]
+Places = NDArray[np.intp]
+STOPS, PLACED, RATES = "stops", "placed", "rates"
+"""What there is in any case besides an elastic curve; some of the stops only where they are needed."""
+ROUNDS = 2
+"""Kinds of elements with sizes to move that are taken in one after the other, at most."""
+WELL_EMULATED = 0.002
+"""Error, as a share of the output, from which further kinds are looked for that may need to be there together."""
+
+
+class Growth:
+    """Elements that are needed, of some kinds, beside those that are there in any case.
+
+    Parameters
+    ----------
+    there : mapping of str to array, shape (n, any)
+        ``ELASTIC``, ``STOPS``, ``PLACED`` and ``RATES``.
+    few : array of int
+        The stops that are there in any case.
+    sign : float
+        That of the weights of all that has memory.
+    kinds : mapping of str to Kind
+        Kinds to choose from.
+    extent, motion
+        What a recording spans, and its input as these elements see it.
+    target : array, shape (n,)
+        What is to be emulated.
+    """
+
+    def __init__(
+        self,
+        there: Mapping[str, Floats],
+        few: Places,
+        sign: float,
+        kinds: Mapping[str, Kind],
+        extent: Extent,
+        motion: Motion,
+        target: Floats,
+    ) -> None:
+        self._few, self._sign, self._kinds = few, sign, kinds
+        self._extent, self._motion, self._target = extent, motion, target
+        self._beside = [there[ELASTIC], there[STOPS][:, few], there[RATES]]
+        self._some = spread(target.size)
+        self._there = {name: columns[self._some] for name, columns in there.items()}
+        self._there[STOPS] = sign * self._there[STOPS]
+        self._sizes = {name: kind.sizes(extent) for name, kind in kinds.items() if kind.limits is None}
+        self._grid = tuple(self._sizes)
+        self._made = self._sampled(self._grid)
+
+    def needed(self, placing: Collection[str]) -> tuple[bool, dict[str, Floats]]:
+        """Whether all of the stops are needed, and the sizes (k, m) of further elements by their kind.
+
+        Of the kinds that are moved to their places those in ``placing`` are tried.
+        """
+        movable = {name: kind for name, kind in self._kinds.items() if kind.limits and name in placing}
+        # Where the spring has corners, what is left without them says little of the rest.
+        kinks = self._chosen([KINKS]).get(KINKS, np.empty(0, dtype=np.intp))
+        beside = [*self._beside, *([self._columns(KINKS, kinks)] if kinks.size else [])]
+        chosen: dict[str, Places] = {}
+        needed: list[str] = []
+        for _ in range(ROUNDS):
+            rest = {name: kind for name, kind in movable.items() if name not in needed}
+            enough = WELL_EMULATED if chosen else EXACT
+            more = placed(rest, self._extent, self._motion, np.hstack(beside), self._target, enough)
+            if chosen and not more:
+                break
+            self._sizes |= more
+            self._made |= self._sampled(more)
+            before, chosen = chosen, self._chosen([STOPS, *self._grid], [*needed, *more], needed)
+            # What some kinds leave may be another's, which hardly helped beside all that.
+            new = [name for name in chosen if name in self._sizes and name not in before]
+            beside += [self._columns(name, chosen[name]) for name in new]
+            needed = [name for name in chosen if name in movable]
+            if not new:
+                break
+        finer = chosen[STOPS].size > self._few.size
+        return finer, {name: self._sizes[name][at] for name, at in chosen.items() if name in self._sizes}
+
+    def _columns(self, name: str, which: Places) -> Floats:
+        return self._kinds[name].columns(self._motion, self._sizes[name][which])
+
+    def _sampled(self, names: Collection[str]) -> dict[str, Floats]:
+        """All elements of these kinds on the samples by which is chosen; what has memory turned to a positive weight."""
+        return {
+            name: (self._sign if self._kinds[name].one_sign else 1.0)
+            * self._kinds[name].columns(self._motion, self._sizes[name])[self._some]
+            for name in names
+        }
+
+    def _chosen(
+        self, growing: Sequence[str], moved: Collection[str] = (), needed: Collection[str] = ()
+    ) -> dict[str, Places]:
+        """Elements that are needed of the kinds ``growing`` and of those ``moved``, of which some are ``needed`` in any case."""
+        kept = [name for name in self._sizes if name in moved or name in growing]
+        of_one_sign = [STOPS, *(name for name in kept if self._kinds[name].one_sign)]
+        offered = self._there | {name: self._made[name] for name in kept}
+        selection = Selection(offered, self._target[self._some], of_one_sign)
+        places = selection.places
+        base = {STOPS: places[STOPS][self._few]} | {name: places[name] for name in (ELASTIC, PLACED, RATES, *needed)}
+        chosen = selection.grow(base, growing, [KINKS])
+        for name in (name for name in moved if name not in needed):
+            with_moved = selection.grow(base | {name: places[name]}, growing, [KINKS])
+            # Sliders with mass also round corners that have nothing to do with mass.
+            if selection.error(with_moved) < CLEARLY * selection.error(chosen):
+                chosen = with_moved
+        return {name: at - places[name][0] for name, at in chosen.items()}
