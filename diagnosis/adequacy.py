@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from .effects.base import INPUT
 from .evidence import Evidence, Hypothesis
-from .noise import FARTHEST, independent, noise_levels, structured_power
+from .noise import LOW_PASSED, independent, noise_levels, structured_power
 
 __all__ = ["ALMOST_ALL", "INEXACT_NEAR", "emulated", "forgiven", "forgiven_here", "left_by", "left_to_noise"]
 
@@ -38,8 +38,8 @@ def left_to_noise(evidence: Evidence, left: Floats) -> float:
     left = np.clip(left, -KNOCK * floor, KNOCK * floor)
     stride, noise = signals.stride, floor
     # A gap that changes fast hides that its noise is correlated; what is left of it does not. What lasts longer counts anyway.
-    if stride < FARTHEST:
-        levels = noise_levels(left, signals.runs, FARTHEST)
+    if stride < LOW_PASSED:
+        levels = noise_levels(left, signals.runs, LOW_PASSED + 2)
         apart = independent(levels)
         if apart > stride:
             stride, noise = apart, max(floor, levels[apart - 1])

@@ -261,7 +261,7 @@ class Evidence:
         self.rows = scene.signals.judged if rows is None else rows
         self._whole = bool(self.rows.all())
         self.gap = scene.signals.gap[self.rows]
-        self.thinning = trusted(self.gap.size) / max(self.gap.size, 1)
+        self.thinning = trusted(self.gap.size / scene.signals.correlated) / max(self.gap.size, 1)
         self.sigma = scene.signals.noise_floor
         if not fitted:
             # Noise far below the gap makes any misfit significant, and no two models agree that well.

@@ -18,6 +18,10 @@ SETTLED, FILTERED = 1.04, (1.4, 1.18, 1.1)
 with a margin what a filter makes that correlates neighbours by a half."""
 FARTHEST = 3
 """Samples; farther apart a hum would pass for noise."""
+LOW_PASSED = 7
+"""The same of noise behind a low pass, whose level grows steeply first and then stays."""
+LEVEL, LATER = (0.95, 1.05), (0.9, 1.12)
+"""Factors by which such a level may differ from one stride to the next, and to the one after: a hum's falls faster."""
 
 
 def noise_levels(series: Floats, runs: Sequence[slice], farthest: int) -> list[float]:
@@ -41,8 +45,16 @@ def independent(levels: Sequence[float]) -> int:
         if factor < SETTLED:
             return stride
         if factor > most:
-            return 1
+            return _behind_low_pass(growth)
     return FARTHEST
+
+
+def _behind_low_pass(growth: Sequence[float]) -> int:
+    """Samples apart from where the level of noise behind a low pass stays; 1 if it does nowhere."""
+    for stride, (factor, later) in enumerate(pairwise(growth[: LOW_PASSED + 1]), start=1):
+        if LEVEL[0] < factor < LEVEL[1] and LATER[0] < later < LATER[1]:
+            return stride
+    return 1
 
 
 def structured_power(series: Floats, runs: Sequence[slice], stride: int = 1) -> float:

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from joints import sliders
 from numpy.typing import NDArray
-from scipy.signal import lfilter
+from scipy.signal import butter, lfilter, sosfilt
 
 from hystbench.diagnosis.diagnosis import diagnose
-from hystbench.diagnosis.noise import structured_power
+from hystbench.diagnosis.noise import FARTHEST, LOW_PASSED, independent, noise_levels, structured_power
 from hystbench.diagnosis.signals import Signals
 
 Floats = NDArray[np.float64]
@@ -50,3 +50,32 @@ def test_an_effect_that_changes_fast_does_not_make_correlated_noise_structure() 
     signals = Signals(time, x, y + gap + filtered(0.04 * rng.standard_normal(x.size), 0.45), y, [slice(0, x.size)], {})
     assert signals.stride == 1
     assert diagnose(signals).verdict == ["inertia"]
+
+
+@pytest.mark.parametrize("cut_off", [0.15, 0.25, 0.45])
+@pytest.mark.parametrize("gap", [0.0, 6.0])
+def test_noise_behind_a_low_pass_is_noise(cut_off: float, gap: float) -> None:
+    """``cut_off`` is a share of half the sampling frequency, ``gap`` the size of viscous friction over the noise."""
+    rng = np.random.default_rng(8)
+    time = np.arange(4000) * 0.01
+    x = (1.0 - np.exp(-time)) * sum(
+        0.5 / f * np.sin(2.0 * np.pi * f * time + rng.uniform(0.0, 6.28)) for f in np.linspace(0.15, 1.2, 12)
+    )
+    y = 4.0 * x + 0.6 * x**3 + sliders(x, ((6.0, 0.12), (2.0, 0.15), (0.8, 0.16)))
+    noise = sosfilt(butter(2, cut_off, output="sos"), rng.standard_normal(x.size))
+    size = 0.01 * np.std(y)
+    speed = np.gradient(x, time)
+    real = y + gap * size * speed / np.std(speed) + size * noise / np.std(noise)
+    signals = Signals(time, x, real, y, [slice(0, x.size)], {})
+    assert signals.noise_floor == pytest.approx(size, rel=0.2)
+    found = diagnose(signals)
+    assert found.verdict == (["viscous_friction"] if gap else [])
+
+
+@pytest.mark.parametrize("samples_a_period", [3.7, 6.0, 9.0, 13.0, 17.0])
+def test_a_hum_is_no_noise_behind_a_low_pass(samples_a_period: float) -> None:
+    """Its level does not stay, whatever its period."""
+    hum = np.sin(2.0 * np.pi * np.arange(4000) / samples_a_period)
+    noise = 0.02 * np.random.default_rng(3).standard_normal(hum.size)
+    levels = noise_levels(hum + noise, [slice(0, hum.size)], LOW_PASSED + 2)
+    assert independent(levels) <= FARTHEST
