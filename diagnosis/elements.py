@@ -54,12 +54,16 @@ def tangents(further: Further, motion: Motion) -> tuple[Floats, Floats]:
         if kind.limits:
             # Each of these stands for one of the simulator's own, and its sizes for that one's parameters. A slider yields
             # at a quotient of two of them, which may be off by twice as much.
-            bulk += [torque, *_either_way(kind, motion, sizes, weights, MOVED, 2.0 * MOVED)]
-            bulk += [_stretched(kind, motion, sizes, at) * weights for at in range(1, kind.width)]
+            bulk.append(torque)
+            for at in range(kind.width):
+                if at in kind.corners:
+                    bulk += _either_way(kind, motion, sizes, weights, at, MOVED, 2.0 * MOVED)
+                else:
+                    bulk.append(_stretched(kind, motion, sizes, at) * weights)
         elif kind.one_sign:
             fine += [torque, _stretched(kind, motion, sizes) * weights]
         elif kind.part == ELASTIC:
-            bulk += [torque, *_either_way(kind, motion, sizes, weights, MOVED)]
+            bulk += [torque, *_either_way(kind, motion, sizes, weights, 0, MOVED)]
         else:
             # Elements that differ in one size only are one parameter.
             _, group = np.unique(sizes[:, 1:] if sizes.shape[1] > 1 else sizes, axis=0, return_inverse=True)
@@ -92,11 +96,11 @@ def _stretched(kind: Kind, motion: Motion, sizes: Floats, at: int = 0) -> Floats
     return np.asarray((up - down) / 0.1)
 
 
-def _either_way(kind: Kind, motion: Motion, sizes: Floats, weights: Floats, *errors: float) -> list[Floats]:
-    """The same of the first size for errors up and down: where a corner moves it leaves a ramp, each way its own."""
+def _either_way(kind: Kind, motion: Motion, sizes: Floats, weights: Floats, at: int, *errors: float) -> list[Floats]:
+    """The same for errors up and down: where a corner moves it leaves a ramp, each way its own."""
     here = kind.columns(motion, sizes)
     ways = [way * error for error in errors for way in (1.0, -1.0)]
-    return [(kind.columns(motion, _scaled(sizes, 0, 1.0 + way)) - here) * weights / way for way in ways]
+    return [(kind.columns(motion, _scaled(sizes, at, 1.0 + way)) - here) * weights / way for way in ways]
 
 
 def _scaled(sizes: Floats, at: int, scale: float) -> Floats:

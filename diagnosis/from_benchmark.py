@@ -12,7 +12,7 @@ from . import registry
 from .diagnosis import Diagnosis, diagnose
 from .effects.base import SENSOR
 from .inputs import outputs_of, signals_from
-from .names import MISCALIBRATION, UNKNOWN
+from .names import GAIN, MISCALIBRATION, UNKNOWN
 from .signals import Signals
 
 __all__ = ["diagnose_as_is_or_fitted", "diagnose_fitted", "diagnose_model", "gap_signals"]
@@ -54,17 +54,20 @@ def diagnose_as_is_or_fitted(
     """Diagnose a simulator of which only its file tells whether it was fitted to recordings.
 
     It is taken as it is first: it may have been fitted to another simulator, and an effect that a few wrong parameters
-    do not hide is found that way. Where nothing known explains the gap so, a model that was fitted is judged as one.
+    do not hide is found that way. Where nothing known explains the gap so, or only beside wrong parameters, as a factor on
+    its torque beside other effects also is, a model that was fitted is judged as one: fewer effects may do.
     """
     found = diagnose(signals, model, exclude, seed)
-    if found.verdict != [UNKNOWN] or not getattr(model, "fitted_samples_", 0):
+    named = set(found.verdict)
+    right = named.isdisjoint((UNKNOWN, MISCALIBRATION)) and (GAIN not in named or len(named) == 1)
+    if right or not getattr(model, "fitted_samples_", 0):
         return found
     try:
         again = diagnose_fitted(signals, model, exclude, seed)
     except InputError:
         # Nothing is left to be considered.
         return found
-    if again.verdict in ([UNKNOWN], [MISCALIBRATION], []):
+    if again.verdict in ([UNKNOWN], [MISCALIBRATION], []) or not (UNKNOWN in named or named.issuperset(again.verdict)):
         return found
     told = "the model was fitted to recordings: where its parameters would go beside each effect was taken into account"
     return replace(again, notes=[*again.notes, told])

@@ -72,22 +72,29 @@ class Growth:
         # Where the spring has corners, what is left without them says little of the rest.
         kinks = self._chosen([KINKS]).get(KINKS, np.empty(0, dtype=np.intp))
         beside = [*self._beside, *([self._columns(KINKS, kinks)] if kinks.size else [])]
-        chosen: dict[str, Places] = {}
+        chosen: dict[str, Places] = {KINKS: kinks}
         needed: list[str] = []
-        for _ in range(ROUNDS):
-            rest = {name: kind for name, kind in movable.items() if name not in needed}
-            enough = WELL_EMULATED if chosen else EXACT
-            more = placed(rest, self._extent, self._motion, np.hstack(beside), self._target, enough)
-            if chosen and not more:
+        refused: set[str] = set()
+        for this in range(ROUNDS):
+            rest = {name: kind for name, kind in movable.items() if name not in needed and name not in refused}
+            enough = WELL_EMULATED if this else EXACT
+            more = placed(rest, self._extent, self._motion, np.hstack(beside), self._target, self._sign, enough)
+            if this and not more:
                 break
             self._sizes |= more
             self._made |= self._sampled(more)
             before, chosen = chosen, self._chosen([STOPS, *self._grid], [*needed, *more], needed)
             # What some kinds leave may be another's, which hardly helped beside all that.
-            new = [name for name in chosen if name in self._sizes and name not in before]
+            new = [
+                name
+                for name, at in chosen.items()
+                if name in self._sizes and not np.isin(at, before.get(name, [])).all()
+            ]
             beside += [self._columns(name, chosen[name]) for name in new]
             needed = [name for name in chosen if name in movable]
-            if not new:
+            # What is not taken in hides what is nearly as good, and would do so again.
+            refused = set() if new else set(more).difference(needed)
+            if not new and not refused:
                 break
         finer = chosen[STOPS].size > self._few.size
         return finer, {name: self._sizes[name][at] for name, at in chosen.items() if name in self._sizes}

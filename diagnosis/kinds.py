@@ -18,9 +18,11 @@ from numpy.typing import NDArray
 
 from .masses import sliding
 from .motion import Extent, Motion
-from .operators import dashed, hardening, leaky, pinched, smooth
+from .operators import dashed, hardening, leaky, pinched, pressed, smooth
 from .single_elements import (
     at_low_speed,
+    behind_play,
+    beyond_clearance,
     by_speed,
     by_speed_and_side,
     curved,
@@ -74,6 +76,8 @@ class Kind:
         from, which are not fine enough to be taken as they are.
     later : sequence of int
         Which sizes stay where they are until all elements are there: with all at once the way there is easily lost.
+    corners : sequence of int
+        Which sizes tell where the torque has corners.
     by_speed : bool
         Whether it knows the speed, sharply enough to tell how that was made of the deflection.
     all_along : bool
@@ -91,6 +95,7 @@ class Kind:
     together: Callable[[Motion, Floats, Floats], Floats] | None = None
     limits: Callable[[Extent], Floats] | None = None
     later: Sequence[int] = ()
+    corners: Sequence[int] = (0,)
     by_speed: bool = False
     all_along: bool = False
     last: bool = False
@@ -134,6 +139,12 @@ def _smooth_sizes(extent: Extent) -> Floats:
     return _with(extent.reach * np.geomspace(0.02, 1.0, 6), *others)
 
 
+def _engaging_sizes(extent: Extent) -> Floats:
+    return extent.reach * _with(
+        np.array([0.02, 0.06, 0.2]), *((clearance,) for clearance in (0.06, 0.15, 0.3, 0.5, 0.7))
+    )
+
+
 def _stribeck_sizes(extent: Extent) -> Floats:
     others = itertools.product((0.03 * extent.fast, 0.1 * extent.fast, 0.3 * extent.fast, extent.fast), (0.5, 1.5))
     return _with(extent.reach * np.array([0.004, 0.012, 0.04, 0.12]), *others)
@@ -172,6 +183,21 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         stops,
         limits=lambda extent: extent.reach * np.array([[0.003], [3.0]]),
     ),
+    # Dampers of clutches and flywheels, whose stages rub once they engage, or once a play is taken up.
+    "a few sliders beyond a clearance": Kind(
+        MEMORY, True,
+        _engaging_sizes,
+        _by_row(beyond_clearance),
+        limits=lambda extent: extent.reach * np.array([[0.003, 0.01], [1.0, 0.95]]),
+        corners=(0, 1),
+    ),
+    "a few sliders behind a play": Kind(
+        MEMORY, True,
+        _engaging_sizes,
+        behind_play,
+        limits=lambda extent: extent.reach * np.array([[0.003, 0.01], [1.0, 0.95]]),
+        corners=(0, 1),
+    ),
     "smooth yielding": Kind(
         MEMORY, True,
         _smooth_sizes,
@@ -184,6 +210,19 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         _timeless(smooth),
         {1: (0.0, np.inf)},
         limits=lambda extent: np.array([[0.004 * extent.reach, 1.0, 0.3], [3.0 * extent.reach, 8.0, 3.0]]),
+    ),
+    # Friction that the spring's load presses, as in gears, belts and cams.
+    "a few sliders pressed by the load": Kind(
+        MEMORY, True,
+        lambda extent: _with(
+            extent.reach * np.geomspace(0.01, 0.2, 5),
+            *itertools.product(extent.reach * np.array([0.3, 1.0, 3.0]), (1.0, 2.0)),
+        ),
+        _timeless(pressed),
+        {2: (0.0, np.inf)},
+        limits=lambda extent: np.array([
+            [0.003 * extent.reach, 0.1 * extent.reach, 0.5], [1.0 * extent.reach, 30.0 * extent.reach, 4.0],
+        ]),
     ),
     # Timber, bolts and concrete: a loop that is slack in its middle.
     "a few pinched sliders": Kind(

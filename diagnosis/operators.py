@@ -18,6 +18,7 @@ __all__ = [
     "lowpass",
     "pinched",
     "plays",
+    "pressed",
     "rms",
     "smooth",
     "weighed",
@@ -68,6 +69,16 @@ def _enveloped(x, length, back, growth, out):
         towards, over = (1.0, length) if moved > 0.0 else (-1.0, length * back)
         towards *= 1.0 + growth * abs(x[i])
         f = towards + (f - towards) * np.exp(-abs(moved) / over)
+        out[i] = f
+
+
+@njit(cache=True)
+def _pressed(x, length, width, power, out):
+    f = 0.0
+    out[0] = 0.0
+    for i in range(1, x.size):
+        limit = length * (1.0 + (abs(x[i]) / width) ** power)
+        f = min(max(f + x[i] - x[i - 1], -limit), limit)
         out[i] = f
 
 
@@ -345,6 +356,16 @@ def enveloped(x: Floats, length: float, back: float, growth: float) -> Floats:
     """
     out = np.empty(x.size)
     _enveloped(np.ascontiguousarray(x), float(length), float(back), float(growth), out)
+    return out
+
+
+def pressed(x: Floats, length: float, width: float, power: float) -> Floats:
+    """A stop over ``x`` (n,) from rest that gives way at ``length``, rad, and later off the middle, shape (n,).
+
+    At twice that ``width`` off it, rad, growing with a ``power`` of the deflection: friction that the spring's load presses.
+    """
+    out = np.empty(x.size)
+    _pressed(np.ascontiguousarray(x), float(length), float(width), float(power), out)
     return out
 
 

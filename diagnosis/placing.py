@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
+from scipy.optimize import least_squares, nnls
 
 from .kinds import Kind
 from .motion import Extent, Motion
@@ -38,9 +38,17 @@ RICH, POOR = 8, 0.01
 
 
 def placed(
-    kinds: Mapping[str, Kind], extent: Extent, motion: Motion, beside: Floats, target: Floats, enough: float = EXACT
+    kinds: Mapping[str, Kind],
+    extent: Extent,
+    motion: Motion,
+    beside: Floats,
+    target: Floats,
+    sign: float = 1.0,
+    enough: float = EXACT,
 ) -> dict[str, Floats]:
     """Elements of each of these kinds that emulate ``target`` (n,) best beside free columns (n, any), until that is ``enough``.
+
+    The weights of those that must have one sign have that of ``sign``.
 
     Returns their sizes (k, m) by the kind's name, those with fewer sizes first. Those that are not clearly better than a
     kind before them are left out, and those that are asked last where they are no better.
@@ -64,7 +72,7 @@ def placed(
 
         # Most of what knows neither time nor speed needs only the turns of the motion.
         made = all_along if kind.timed or kind.by_speed or kind.all_along else functools.partial(kind.columns, thin)
-        return _Maker(kind, extent, lambda sizes: beyond(made(sizes)), goal)
+        return _Maker(kind, extent, lambda sizes: beyond(made(sizes)), goal, sign if kind.one_sign else 0.0)
 
     better: dict[str, Floats] = {}
     least = float(np.linalg.norm(goal))
@@ -98,7 +106,9 @@ class _Maker:
     The weights are eliminated from it (variable projection: Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973).
     """
 
-    def __init__(self, kind: Kind, extent: Extent, columns: Callable[[Floats], Floats], goal: Floats) -> None:
+    def __init__(
+        self, kind: Kind, extent: Extent, columns: Callable[[Floats], Floats], goal: Floats, sign: float
+    ) -> None:
         assert kind.limits is not None
         limits = kind.limits(extent)
         self._low, self._high = np.log(limits)
@@ -107,6 +117,7 @@ class _Maker:
         self._starts = np.log(np.clip(kind.sizes(extent), *limits))
         self._tried = columns(np.exp(self._starts))
         self._goal = goal
+        self._sign = sign
         # From one derivative to the next only the sizes of one element differ.
         self._column = functools.lru_cache(maxsize=2 * MOST)(lambda logs: columns(np.exp([logs]))[:, 0])
 
@@ -130,7 +141,16 @@ class _Maker:
                 break
         if logs.size and error > EXACT:
             logs, error = self._moved(logs, MORE, np.ones(self._low.size, dtype=bool))
-        return np.exp(logs.reshape(-1, self._low.size)), error
+        return self._of_one_sign(logs, error) if logs.size and self._sign else (self._sizes(logs), error)
+
+    def _sizes(self, logs: Floats) -> Floats:
+        return np.exp(logs.reshape(-1, self._low.size))
+
+    def _of_one_sign(self, logs: Floats, error: float) -> tuple[Floats, float]:
+        """Those elements whose weights have the sign that they must have, and the error that they leave."""
+        weights, left = nnls(self._sign * self._columns(logs), self._goal)
+        kept = weights > 0.0
+        return (self._sizes(logs), error) if np.all(kept) else (self._sizes(logs)[kept], float(left))
 
     def _moved(self, logs: Floats, steps: int, moving: NDArray[np.bool_]) -> tuple[Floats, float]:
         """Those sizes of each element that are ``moving`` (m,) moved from ``logs`` (any,) on in so many steps, and the error."""

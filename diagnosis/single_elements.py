@@ -13,6 +13,8 @@ from .operators import attracted, enveloped, hyperbolic, lowpass, plays, yieldin
 
 __all__ = [
     "at_low_speed",
+    "behind_play",
+    "beyond_clearance",
     "by_speed",
     "by_speed_and_side",
     "curved",
@@ -126,6 +128,20 @@ def stops(motion: Motion, sizes: Floats) -> Floats:
     """Springs with sliders that give way at their first size, rad."""
     played, which = _plays(motion, sizes[:, 0])
     return np.asarray(motion.path[:, None] - played[:, which])
+
+
+def beyond_clearance(motion: Motion, length: float, clearance: float) -> Floats:
+    """A stop that engages beyond ``clearance`` (rad) on either side of the middle: a later stage of a torsional damper."""
+    engaged = motion.path - np.clip(motion.path, -clearance, clearance)
+    played = np.concatenate([plays(engaged[run], np.array([length])) for run in motion.runs])
+    return np.asarray(engaged - played[:, 0])
+
+
+def behind_play(motion: Motion, sizes: Floats) -> Floats:
+    """Stops that give way at their first size (rad), each moved through a play of the second (rad): plays add up."""
+    inner, of_inner = _plays(motion, sizes[:, 1])
+    outer, of_outer = _plays(motion, sizes.sum(axis=1))
+    return np.asarray(inner[:, of_inner] - outer[:, of_outer])
 
 
 def stronger_at_rest(motion: Motion, sizes: Floats) -> Floats:

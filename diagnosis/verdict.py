@@ -40,11 +40,13 @@ CONSTANTS = 3.0
 """Free constants of a usual law; one with more must bring more."""
 BALANCED = 2.0
 """Size of an effect over the gap's beyond which others, or the refitted simulator, would have to cancel it: that is no
-explanation unless the effects close almost all of the gap by themselves."""
+explanation unless the effects close almost all of the gap by themselves, or without the one much is left."""
 ONE_FACTOR = 0.005
 """Share of the gap's energy that one factor on the torque may leave to be more than a coincidence of several errors."""
 AGAINST_ONE_FACTOR = 20.0
 """Logarithm of the odds against one factor beyond which it is a coincidence in any case."""
+FOR_ONE_FACTOR = 10.0
+"""The same for one factor beside a simulator that is off beyond which it is none."""
 SEVERAL = 0.02
 """Share of the gap's energy that one factor leaves where it is several errors rather than one factor."""
 NO_BETTER = 4.0
@@ -184,8 +186,8 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         other = _as_one_factor(evidence, best, found, energy, size)
         if other is not best:
             best, refit = other, _judge_refit(evidence, other, energy)
-    if best.terms and refit.miscalibrated and not evidence.fitted and not is_needed(best):
-        # The simulator is off in any case: an effect beside must be needed, not only welcome.
+    if best.terms and best.names != {GAIN} and refit.miscalibrated and not evidence.fitted and not is_needed(best):
+        # The simulator is off in any case: an effect beside must be needed, not only welcome. Of one factor that is known.
         best, refit = blank, _judge_refit(evidence, blank, energy)
     if prior(evidence, best, size) == -np.inf:
         # Beside another simulator its law is only a special case.
@@ -199,13 +201,8 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         ranked.sort(key=lambda h: -likely[id(h)])
     field = _Field(evidence, found, ranked, np.array([likely[id(h)] for h in ranked]), energy)
     choice = _stated(field, best, own, refit)
-    if choice.verdict == [UNKNOWN] and evidence.is_beside_refit(best):
-        # Doubtful beside a simulator that is off in any case; which alone may leave no more than an inexact law.
-        refit = _judge_refit(evidence, blank, energy)
-        alone = _stated(field, blank, blank.score, refit)
-        if alone.verdict == [MISCALIBRATION]:
-            return alone
-    return choice
+    doubtful = choice.verdict == [UNKNOWN] and evidence.is_beside_refit(best)
+    return _rather_one(field, best, choice, size) if doubtful else choice
 
 
 @dataclass(frozen=True)
@@ -224,6 +221,23 @@ class _Field:
     def scored(self) -> list[tuple[Hypothesis, float]]:
         """Those ranked, each with its score."""
         return list(zip(self.ranked, self.scores.tolist(), strict=True))
+
+
+def _rather_one(field: _Field, best: Hypothesis, choice: Choice, size: float) -> Choice:
+    """What is said in place of ``choice``, which is in doubt of ``best`` beside a simulator that is off in any case.
+
+    Where without a certain effect much is left, that one, whose law may need a patch; else the simulator alone, where that
+    leaves no more than an inexact law may.
+    """
+    evidence, blank = field.evidence, field.found[0]
+    single = max((h for h in field.found if len(h.terms) == 1), key=lambda h: h.score)
+    clear = single.score - blank.score > NEEDED * evidence.effective
+    if clear and single.names == best.names:
+        return choice
+    one = single if clear else blank
+    own = one.score + prior(evidence, one, size)
+    other = _stated(field, one, own, _judge_refit(evidence, one, field.energy))
+    return other if (clear and other.verdict != [UNKNOWN]) or other.verdict == [MISCALIBRATION] else choice
 
 
 def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choice:
@@ -383,7 +397,12 @@ def _as_one_factor(
         plain = next(form for form in gain.terms[0].effect.forms(evidence.scene) if not form.shapes)
         factor = evidence.fit((replace(gain.terms[0], form=plain, shape=()),), evidence.exact)
         behind = best.score - factor.score - prior(evidence, factor, size)
-        return factor if behind < AGAINST_ONE_FACTOR and leaves(factor) < ONE_FACTOR else best
+        if behind < AGAINST_ONE_FACTOR and leaves(factor) < ONE_FACTOR:
+            return factor
+        # Beside one the simulator's errors may be the usual ones.
+        usual = [scale for scale in evidence.scales if 0.0 < scale[1] < max(evidence.scales)[1]]
+        beside = evidence.fit(factor.terms, usual)
+        return beside if beside.score - best.score > FOR_ONE_FACTOR and leaves(beside) < SEVERAL else best
     if best.names == {GAIN} and is_refitted(best.scale) and leaves(best) > SEVERAL:
         return blank
     return best
@@ -461,7 +480,7 @@ def _inadequate(evidence: Evidence, features: dict[str, float]) -> bool:
     if refitted and gap > 3.0 and widened:
         return True
     cancels = features["largest"] > BALANCED * gap and features["closed_alone"] < ALMOST_ALL
-    if cancels and not evidence.fitted:
+    if cancels and not evidence.fitted and not _is_clearly_there(evidence, features):
         return True
     # A simulator that is only off closes nearly all once it is calibrated, also where the calibration did not look.
     enough = CALIBRATED if not features["effects"] and gap > 3.0 else ENOUGH
