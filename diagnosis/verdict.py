@@ -34,6 +34,8 @@ BESIDE_ENOUGH = 0.09
 """The same where that simulator alone leaves no more than an inexact law may."""
 DOUBT = 0.2
 """A cause less probable than this is not named; of those between this and a half most are right, and an honest figure is stated."""
+DOUBT_INSTEAD = 0.6
+"""The same of one effect in place of several that are not named."""
 DOUBT_IN_COMPANY = 0.5
 """The same of several effects beside a simulator that is off as well: together they can imitate anything."""
 CONSTANTS = 3.0
@@ -237,7 +239,9 @@ def _rather_one(field: _Field, best: Hypothesis, choice: Choice, size: float) ->
     one = single if clear else blank
     own = one.score + prior(evidence, one, size)
     other = _stated(field, one, own, _judge_refit(evidence, one, field.energy))
-    return other if (clear and other.verdict != [UNKNOWN]) or other.verdict == [MISCALIBRATION] else choice
+    if clear:
+        return other if other.verdict != [UNKNOWN] and other.confidence > DOUBT_INSTEAD else choice
+    return other if other.verdict == [MISCALIBRATION] else choice
 
 
 def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choice:
