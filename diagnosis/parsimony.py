@@ -10,7 +10,7 @@ import numpy as np
 from .adequacy import ALMOST_ALL, INEXACT_NEAR, forgiven_here, left_by
 from .evidence import Evidence, Hypothesis, is_refitted
 
-__all__ = ["fewest", "hardly_worse", "simplest", "special_cases"]
+__all__ = ["fewest", "hardly_worse", "rather_two", "simplest", "special_cases"]
 
 WORTH = 0.04
 """Share of the gap's energy that an effect must close beside the others."""
@@ -30,6 +30,9 @@ PATCHES = 0.3
 """Evidence a sample that further effects may bring although there is nothing left for them to explain."""
 FURTHER = 0.05
 """The same beside an exact simulator, where nothing but a law that is not quite exact gives them anything to explain."""
+TWO, ONE = 0.014, 0.1
+"""Evidence a sample that two effects beside an exact simulator must bring beyond a simulator that is off, and beyond one effect
+beside an exact one."""
 
 
 def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) -> Hypothesis:
@@ -135,6 +138,21 @@ def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, e
         if made:
             return max(made, key=lambda pair: pair[0])[1]
     return exact
+
+
+def rather_two(evidence: Evidence, found: Sequence[Hypothesis], blank: Hypothesis, energy: float) -> Hypothesis:
+    """Two effects beside an exact simulator in place of one that is off, where neither that nor one of them does nearly as well."""
+    if evidence.fitted or blank.terms or not is_refitted(blank.scale):
+        return blank
+    exact = {h.names: _beside_exact(evidence, h) for h in found if 0 < len(h.terms) <= 2}
+    pairs = [h for h in found if len(h.terms) == 2 and h.beside_exact is not None]
+    if not pairs:
+        return blank
+    pair = max(pairs, key=lambda h: exact[h.names].score)
+    beside, one = exact[pair.names], max(h.score for h in exact.values() if len(h.terms) == 1)
+    least = max(blank.score + TWO * evidence.effective, one + ONE * evidence.effective)
+    allowed = forgiven_here(evidence, float(np.sqrt(energy)) / evidence.sigma, False)
+    return _in_place_of(pair, beside) if beside.score > least and left_by(evidence, beside) <= allowed else blank
 
 
 def hardly_worse(evidence: Evidence, hypothesis: Hypothesis) -> Hypothesis:

@@ -18,7 +18,7 @@ from .hum import hum
 from .names import GAIN, MISCALIBRATION, UNKNOWN
 from .noise import structured_power
 from .operators import rms
-from .parsimony import fewest, hardly_worse, simplest
+from .parsimony import fewest, hardly_worse, rather_two, simplest
 from .priors import BESIDE_OFF, IDLE, STANDS_IN, prior
 from .quantisation import torque_step
 from .rivals import SAME_BY_EYE, TEMPERATURE, effective_share, is_nested, is_poor, recalibration_rivals, weigh
@@ -182,6 +182,8 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     if not simple.terms and not evidence.fitted:
         single = (h for h in ranked if len(h.terms) == 1 and rms(h.signal) > SUBSTANTIAL * size)
         best = next((h for h in single if is_needed(h) and _is_nearer(h, blank)), best)
+    if not best.terms:
+        best = rather_two(evidence, found, best, energy)
     best = _rather_off(evidence, best, blank, size)
     refit = _judge_refit(evidence, best, energy)
     if best.terms or refit.miscalibrated:
