@@ -11,8 +11,12 @@ from hystbench.diagnosis import registry
 from hystbench.diagnosis.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.evidence import Evidence, Term
 from hystbench.diagnosis.operators import plays
-from hystbench.diagnosis.parsimony import fewest
+from hystbench.diagnosis.parsimony import fewest, rather_two
 from hystbench.diagnosis.signals import Signals
+
+TIME = np.arange(3000) * 0.01
+X = np.sin(1.9 * TIME) * (0.6 + 0.3 * np.sin(0.3 * TIME)) + 0.2 * np.sin(5.2 * TIME)
+STOP = X - plays(X, np.array([0.1]))[:, 0]
 
 
 @pytest.mark.parametrize(("power", "named"), [(0.95, {"thermal_drift"}), (0.85, {"thermal_drift", "cyclic_softening"})])
@@ -40,3 +44,34 @@ def test_a_second_effect_is_not_named_for_what_the_first_ones_law_hardly_misses(
     assert both.score > one.score + 50.0
     energy = float(np.mean(np.square(evidence.gap))) - evidence.sigma**2
     assert fewest(evidence, [both, one, none], both, energy).names == named
+
+
+@pytest.mark.parametrize(
+    ("factor", "size", "second", "both"),
+    [(0.2, 1.0, X * STOP, True), (0.05, 0.1, np.abs(X) * X, False)],
+    ids=["better", "hardly better"],
+)
+def test_two_effects_come_before_a_simulator_that_is_off_where_it_does_not_do_nearly_as_well(
+    factor: float, size: float, second: np.ndarray, both: bool
+) -> None:
+    """A gain and another effect, which errors of the simulator imitate, the better the more the effect is a part of it."""
+    sim = 4.0 * X + X**3 + 2.0 * STOP
+    gap = factor * sim + size * second
+    noise = np.std(gap) / 8.0 * np.random.default_rng(1).standard_normal(X.size)
+    recorded = Signals(TIME, X, sim + gap + noise, sim, [slice(0, X.size)], {})
+    evidence = Evidence(SimulatorScene(recorded, emulate(recorded, None)))
+    terms = []
+    for name, column in (("torque_gain", sim), ("stiffness_asymmetry", second)):
+        effect = registry.get(name)()
+        law = replace(
+            effect.forms(evidence.scene)[0], columns=lambda _, __, k=column: k[:, None], coefficients=("_size",),
+            shapes=(), lower=(-np.inf,), upper=(np.inf,),
+        )  # fmt: skip
+        terms.append(Term(effect, law, ()))
+    blank, *found = (evidence.fit(some) for some in ([], *([term] for term in terms), terms))
+    for hypothesis in found:
+        hypothesis.beside_exact = evidence.fit(hypothesis.terms, evidence.exact)
+    energy = float(np.mean(np.square(evidence.gap))) - evidence.sigma**2
+    chosen = rather_two(evidence, [blank, *found], blank, energy)
+    assert found[-1].beside_exact.score > blank.score
+    assert chosen.names == (found[-1].names if both else frozenset())
