@@ -24,9 +24,8 @@ BESIDE_OFF = 0.012
 COINCIDENCE = 200.0
 """Logarithm of the odds against effects of 2.5 times the gap; it grows as the square beyond 1.25."""
 STANDS_IN = (GAIN,)
-STAND_IN, STAND_IN_COMPANY, STAND_IN_DETAIL = 7.0, 9.0, 16.0
-"""Logarithm of the odds against these where the loop's fine structure is off too, against them in company, and against both: then
-the simulator is to blame."""
+STAND_IN, STAND_IN_COMPANY = 7.0, 9.0
+"""Logarithm of the odds against these where the loop's fine structure is off too: then the simulator is to blame."""
 
 
 def prior(evidence: Evidence, hypothesis: Hypothesis, gap: float) -> float:
@@ -45,11 +44,8 @@ def prior(evidence: Evidence, hypothesis: Hypothesis, gap: float) -> float:
     if evidence.fitted:
         return -cost
     if any(term.effect.id in STANDS_IN for term in hypothesis.terms):
-        detail = hypothesis.scale[0]
-        if len(hypothesis.terms) == 1:
-            cost += STAND_IN * (detail >= FINE)
-        else:
-            cost += STAND_IN_COMPANY + STAND_IN * (detail >= 0.5 * FINE) + STAND_IN_DETAIL * (detail >= FINE)
+        alone = len(hypothesis.terms) == 1
+        cost += STAND_IN * (hypothesis.scale[0] >= (FINE if alone else 0.5 * FINE)) + STAND_IN_COMPANY * (not alone)
     # Effects and errors of the simulator that are each larger than the gap and cancel would be a coincidence.
     size = rms(hypothesis.signal) / gap
     return -cost - COINCIDENCE * max(size / 1.25 - 1.0, 0.0) ** 2
