@@ -62,6 +62,21 @@ def test_simulator_of_any_kind_that_is_off_by_a_few_per_cent_is_a_miscalibration
     assert found.verdict == ["miscalibration"]
 
 
+@pytest.mark.parametrize("name", ["kinked", "pressed by a cam"])
+def test_one_effect_that_explains_most_is_named_though_others_patch_what_its_law_misses(name: str) -> None:
+    """A soft gap beside a simulator that is off, which several effects together explain better, in doubt of each."""
+    joint, _ = JOINTS[name]
+    found = diagnose(recorded(joint, lambda time, x: joint(time, x - 0.02 * np.tanh(x / 0.02), 0.05)))
+    assert set(found.verdict) - {"miscalibration"} == {"backlash"}
+
+
+@pytest.mark.parametrize("name", ["two sliders", "Maxwell slip"])
+def test_a_factor_that_the_usual_errors_do_not_make_is_a_gain_beside_them(name: str) -> None:
+    joint, _ = JOINTS[name]
+    found = diagnose(recorded(joint, lambda time, x: 0.8 * joint(time, x, 0.03)))
+    assert set(found.verdict) - {"miscalibration"} == {"torque_gain"}
+
+
 def test_corners_that_yield_a_little_elsewhere_are_no_spikes_in_the_torque() -> None:
     # The simulator agrees to half a per cent: what stands out of the noise are its corners, not lost samples.
     found = diagnose(recorded(metal, lambda time, x: metal(time, x, 0.015)))
