@@ -59,9 +59,9 @@ KEPT = 5
 ORDER = {INPUT: 0, TORQUE: 1, SENSOR: 2}
 
 
-def trusted(samples: int) -> float:
+def trusted(samples: float) -> float:
     """How many of so many samples count: no law and no emulator is so exact that more would make evidence surer."""
-    return min(float(samples), TRUSTED)
+    return min(samples, TRUSTED)
 
 
 def is_refitted(scale: Scale) -> bool:
