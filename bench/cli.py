@@ -504,7 +504,7 @@ def blind(out: Path, seeds: int, jobs: int | None, quick: bool) -> None:
     """Check the diagnosis on recordings whose cause is sealed, and write the figures and a page.
 
     The recordings are made by an analytic plant and, where the package mujoco is installed (the extra "blind"), by a
-    plant that MuJoCo simulates. Takes about 12 minutes on two cores, with --quick less than two.
+    plant that MuJoCo simulates. Takes 12 to 14 minutes on two cores, with --quick less than two.
 
     \b
     Example:

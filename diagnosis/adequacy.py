@@ -9,7 +9,16 @@ from .effects.base import INPUT
 from .evidence import Evidence, Hypothesis
 from .noise import LOW_PASSED, independent, noise_levels, structured_power
 
-__all__ = ["ALMOST_ALL", "INEXACT_NEAR", "emulated", "forgiven", "forgiven_here", "left_by", "left_to_noise"]
+__all__ = [
+    "ALMOST_ALL",
+    "INEXACT_NEAR",
+    "emulated",
+    "forgiven",
+    "forgiven_here",
+    "is_adequate",
+    "left_by",
+    "left_to_noise",
+]
 
 Floats = NDArray[np.float64]
 INEXACT = 0.3
@@ -39,7 +48,7 @@ def left_to_noise(evidence: Evidence, left: Floats) -> float:
     stride, noise = signals.stride, floor
     # A gap that changes fast hides that its noise is correlated; what is left of it does not. What lasts longer counts anyway.
     if stride < LOW_PASSED:
-        levels = noise_levels(left, signals.runs, LOW_PASSED + 2)
+        levels = noise_levels(left, signals.runs)
         apart = independent(levels)
         if apart > stride:
             stride, noise = apart, max(floor, levels[apart - 1])
@@ -69,6 +78,12 @@ def forgiven(gap: float, refitted: bool, fitted: bool = False) -> float:
         return max(0.3 + 0.045 * gap, INEXACT_FITTED * gap)
     share = INEXACT * float(np.clip(np.log(max(gap, 1.0) / 16.0) / np.log(100.0 / 16.0), 0.0, 1.0))
     return max(0.2 + 0.042 * gap if refitted else max(0.3 + 0.045 * gap, INEXACT_NEAR * gap), share * gap)
+
+
+def is_adequate(evidence: Evidence, hypothesis: Hypothesis, energy: float) -> bool:
+    """Whether a hypothesis leaves of a gap of that ``energy`` beyond the noise no more than an inexact law may."""
+    bent = evidence.is_beside_refit(hypothesis)
+    return left_by(evidence, hypothesis) <= forgiven_here(evidence, float(np.sqrt(energy)) / evidence.sigma, bent)
 
 
 def emulated(evidence: Evidence, hypothesis: Hypothesis, energy: float) -> float:

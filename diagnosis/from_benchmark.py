@@ -59,8 +59,8 @@ def diagnose_as_is_or_fitted(
     """
     found = diagnose(signals, model, exclude, seed)
     named = set(found.verdict)
-    right = named.isdisjoint((UNKNOWN, MISCALIBRATION)) and (GAIN not in named or len(named) == 1)
-    if right or not getattr(model, "fitted_samples_", 0):
+    doubtful = UNKNOWN in named or (len(named) > 1 and not named.isdisjoint((MISCALIBRATION, GAIN)))
+    if not doubtful or not getattr(model, "fitted_samples_", 0):
         return found
     try:
         again = diagnose_fitted(signals, model, exclude, seed)

@@ -139,12 +139,6 @@ def _smooth_sizes(extent: Extent) -> Floats:
     return _with(extent.reach * np.geomspace(0.02, 1.0, 6), *others)
 
 
-def _engaging_sizes(extent: Extent) -> Floats:
-    return extent.reach * _with(
-        np.array([0.02, 0.06, 0.2]), *((clearance,) for clearance in (0.06, 0.15, 0.3, 0.5, 0.7))
-    )
-
-
 def _stribeck_sizes(extent: Extent) -> Floats:
     others = itertools.product((0.03 * extent.fast, 0.1 * extent.fast, 0.3 * extent.fast, extent.fast), (0.5, 1.5))
     return _with(extent.reach * np.array([0.004, 0.012, 0.04, 0.12]), *others)
@@ -160,6 +154,16 @@ def _slip_elements(column: Callable[..., Floats]) -> Kind:
         timed=True,
         limits=lambda extent: np.asarray(extent.sticky * [[0.001, 0.003, 0.02, 0.05], [1.0, 5.0, 6.0, 100.0]]),
         by_speed=True,
+    )  # fmt: skip
+
+
+def _engaging(columns: Callable[[Motion, Floats], Floats]) -> Kind:
+    return Kind(
+        MEMORY, True,
+        lambda extent: extent.reach * _with(np.array([0.02, 0.06, 0.2]), (0.06,), (0.15,), (0.3,), (0.5,), (0.7,)),
+        columns,
+        limits=lambda extent: extent.reach * np.array([[0.003, 0.01], [1.0, 0.95]]),
+        corners=(0, 1),
     )  # fmt: skip
 
 
@@ -184,20 +188,8 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         limits=lambda extent: extent.reach * np.array([[0.003], [3.0]]),
     ),
     # Dampers of clutches and flywheels, whose stages rub once they engage, or once a play is taken up.
-    "a few sliders beyond a clearance": Kind(
-        MEMORY, True,
-        _engaging_sizes,
-        _by_row(beyond_clearance),
-        limits=lambda extent: extent.reach * np.array([[0.003, 0.01], [1.0, 0.95]]),
-        corners=(0, 1),
-    ),
-    "a few sliders behind a play": Kind(
-        MEMORY, True,
-        _engaging_sizes,
-        behind_play,
-        limits=lambda extent: extent.reach * np.array([[0.003, 0.01], [1.0, 0.95]]),
-        corners=(0, 1),
-    ),
+    "a few sliders beyond a clearance": _engaging(_by_row(beyond_clearance)),
+    "a few sliders behind a play": _engaging(behind_play),
     "smooth yielding": Kind(
         MEMORY, True,
         _smooth_sizes,

@@ -24,15 +24,15 @@ LEVEL, LATER = (0.95, 1.05), (0.9, 1.12)
 """Factors by which such a level may differ from one stride to the next, and to the one after: a hum's falls faster."""
 
 
-def noise_levels(series: Floats, runs: Sequence[slice], farthest: int) -> list[float]:
-    """Noise level of samples of ``series`` (n,) that are 1, 2, … ``farthest`` apart."""
+def noise_levels(series: Floats, runs: Sequence[slice]) -> list[float]:
+    """Noise level of samples of ``series`` (n,) that are 1, 2, … apart, as far as :func:`independent` looks."""
 
     def apart(stride: int) -> float:
         parts = [series[run][k::stride] for run in runs for k in range(stride)]
         squares = np.square([noise_level(part) for part in parts])
         return float(np.sqrt(np.average(squares, weights=[part.size for part in parts])))
 
-    return [apart(stride) for stride in range(1, farthest + 1)]
+    return [apart(stride) for stride in range(1, LOW_PASSED + 3)]
 
 
 def independent(levels: Sequence[float]) -> int:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .adequacy import ALMOST_ALL, INEXACT_NEAR, forgiven_here, left_by
+from .adequacy import ALMOST_ALL, INEXACT_NEAR, is_adequate, left_by
 from .evidence import Evidence, Hypothesis, is_refitted
 
 __all__ = ["fewest", "hardly_worse", "rather_two", "simplest", "special_cases"]
@@ -55,19 +55,20 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
         fitted.by_scale, fitted.beside_exact = known.by_scale, known.beside_exact
         return fitted, (fitted.rss - top.rss) / evidence.size / energy
 
-    def is_adequate(hypothesis: Hypothesis) -> bool:
-        bent = evidence.is_beside_refit(hypothesis)
-        return left_by(evidence, hypothesis) <= forgiven_here(evidence, float(np.sqrt(energy)) / evidence.sigma, bent)
-
     def does_without_refit(names: frozenset[str], fewer: frozenset[str]) -> bool:
         """Whether effects beside an exact simulator explain the gap better than fewer do beside one that is off."""
         exact, refitted = by_names[names].beside_exact, by_names[fewer]
         if evidence.fitted or exact is None or not is_refitted(refitted.scale) or exact.score <= refitted.score:
             return False
         patched = exact.score - _beside_exact(evidence, refitted).score <= PATCHES * evidence.effective
-        return len(names) < MANY and not patched and _closes_almost_all(evidence, exact, energy) and is_adequate(exact)
+        return (
+            len(names) < MANY
+            and not patched
+            and _closes_almost_all(evidence, exact, energy)
+            and is_adequate(evidence, exact, energy)
+        )
 
-    changed, explained = True, is_adequate(top)
+    changed, explained = True, is_adequate(evidence, top, energy)
     while changed:
         changed = False
         options: list[tuple[float, Hypothesis]] = []
@@ -80,7 +81,9 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
                 indifferent = loss * energy < INDIFFERENT * evidence.sigma**2
                 # Beside a fitted model two effects may share one cause in any proportion.
                 little = loss < worth and (evidence.fitted or size < 3.0 * worth)
-                enough = indifferent or (little and (not explained or is_adequate(by_names[smaller.names])))
+                enough = indifferent or (
+                    little and (not explained or is_adequate(evidence, by_names[smaller.names], energy))
+                )
                 if enough and not does_without_refit(best.names, smaller.names):
                     options.append((loss, smaller))
             for special in next(term.effect for term in best.terms if term.effect.id == name).contains:
@@ -144,15 +147,16 @@ def rather_two(evidence: Evidence, found: Sequence[Hypothesis], blank: Hypothesi
     """Two effects beside an exact simulator in place of one that is off, where neither that nor one of them does nearly as well."""
     if evidence.fitted or blank.terms or not is_refitted(blank.scale):
         return blank
-    exact = {h.names: _beside_exact(evidence, h) for h in found if 0 < len(h.terms) <= 2}
-    pairs = [h for h in found if len(h.terms) == 2 and h.beside_exact is not None]
+    pairs = [(h.beside_exact.score, h) for h in found if len(h.terms) == 2 and h.beside_exact]
     if not pairs:
         return blank
-    pair = max(pairs, key=lambda h: exact[h.names].score)
-    beside, one = exact[pair.names], max(h.score for h in exact.values() if len(h.terms) == 1)
-    least = max(blank.score + TWO * evidence.effective, one + ONE * evidence.effective)
-    allowed = forgiven_here(evidence, float(np.sqrt(energy)) / evidence.sigma, False)
-    return _in_place_of(pair, beside) if beside.score > least and left_by(evidence, beside) <= allowed else blank
+    score, pair = max(pairs, key=lambda each: each[0])
+    if score <= blank.score + TWO * evidence.effective:
+        return blank
+    one = max(_beside_exact(evidence, h).score for h in found if len(h.terms) == 1)
+    beside = _beside_exact(evidence, pair)
+    enough = score > one + ONE * evidence.effective and is_adequate(evidence, beside, energy)
+    return _in_place_of(pair, beside) if enough else blank
 
 
 def hardly_worse(evidence: Evidence, hypothesis: Hypothesis) -> Hypothesis:

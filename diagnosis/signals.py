@@ -17,7 +17,7 @@ from scipy.signal import savgol_coeffs, savgol_filter
 
 from ..models.motion import directions, noise_level, turning_points
 from .masses import resonated
-from .noise import FARTHEST, LOW_PASSED, independent, noise_levels
+from .noise import FARTHEST, independent, noise_levels
 from .operators import SAME_STEP, bristle, creeping, lowpass, plays, rms
 
 __all__ = ["COORDINATES", "Signals", "differentiate"]
@@ -102,7 +102,7 @@ class Signals:
     @cached_property
     def _noise_levels(self) -> list[float]:
         """Noise level of the gap's samples 1, 2, … apart, N·m."""
-        return noise_levels(self.gap, self.runs, LOW_PASSED + 2)
+        return noise_levels(self.gap, self.runs)
 
     @cached_property
     def knocks(self) -> NDArray[np.bool_]:

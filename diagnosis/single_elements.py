@@ -5,6 +5,8 @@ What takes sizes one by one gives one element, shape (n,); what takes ``sizes`` 
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -133,8 +135,7 @@ def stops(motion: Motion, sizes: Floats) -> Floats:
 def beyond_clearance(motion: Motion, length: float, clearance: float) -> Floats:
     """A stop that engages beyond ``clearance`` (rad) on either side of the middle: a later stage of a torsional damper."""
     engaged = motion.path - np.clip(motion.path, -clearance, clearance)
-    played = np.concatenate([plays(engaged[run], np.array([length])) for run in motion.runs])
-    return np.asarray(engaged - played[:, 0])
+    return stops(replace(motion, course=engaged), np.array([[length]]))[:, 0]
 
 
 def behind_play(motion: Motion, sizes: Floats) -> Floats:

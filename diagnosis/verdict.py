@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .adequacy import ALMOST_ALL, emulated, forgiven_here, left_by, left_to_noise
+from .adequacy import ALMOST_ALL, emulated, forgiven_here, is_adequate, left_by, left_to_noise
 from .calibration import CONFIDENCE, confidence
 from .clocks import OtherClock, follows_another_clock
 from .evidence import FINE, Evidence, Hypothesis, Term, count_unknowns, is_refitted
@@ -171,7 +171,7 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     blank = found[0]
 
     is_far = _is_too_far_off(evidence, blank)
-    is_enough = left_by(evidence, blank) <= forgiven_here(evidence, float(np.sqrt(energy)) / floor, False)
+    is_enough = is_adequate(evidence, blank, energy)
 
     def is_needed(hypothesis: Hypothesis) -> bool:
         pliable = max(count_unknowns(hypothesis.terms) / CONSTANTS, 1.0)
@@ -182,8 +182,7 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     if not simple.terms and not evidence.fitted:
         single = (h for h in ranked if len(h.terms) == 1 and rms(h.signal) > SUBSTANTIAL * size)
         best = next((h for h in single if is_needed(h) and _is_nearer(h, blank)), best)
-    if not best.terms:
-        best = rather_two(evidence, found, best, energy)
+    best = rather_two(evidence, found, best, energy)
     best = _rather_off(evidence, best, blank, size)
     refit = _judge_refit(evidence, best, energy)
     if best.terms or refit.miscalibrated:

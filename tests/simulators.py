@@ -288,20 +288,11 @@ def hardly_yielding(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 4.0 * (1.0 + e) * x + 0.3 * smooth_yielding(time, x, -e)
 
 
-def held(x: Floats, stiffness: float, limit: Floats | float) -> Floats:
-    """A spring to a slider that gives way at ``limit``, which may change on the way."""
-    limits, force, out = np.broadcast_to(limit, x.shape), 0.0, np.zeros(x.size)
-    for i in range(1, x.size):
-        force = float(np.clip(force + stiffness * (x[i] - x[i - 1]), -limits[i], limits[i]))
-        out[i] = force
-    return out
-
-
 def staged_damper(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """A clutch's torsional damper, whose second stage has a spring and rubbing of its own."""
     beyond = np.sign(x) * np.maximum(np.abs(x) - 0.31 * (1.0 + e), 0.0)
-    first = 3.0 * x + held(x, 30.0, 0.35 * (1.0 - e))
-    return first + 6.0 * (1.0 - e) * beyond + held(beyond, 25.0, 1.3 * (1.0 + e))
+    first = 3.0 * x + sliders(x, ((30.0, 0.35 * (1.0 - e)),))
+    return first + 6.0 * (1.0 - e) * beyond + sliders(beyond, ((25.0, 1.3 * (1.0 + e)),))
 
 
 def predamper(time: Floats, x: Floats, e: float = 0.0) -> Floats:
@@ -310,13 +301,17 @@ def predamper(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     for i in range(1, x.size):
         moved[i] = min(max(moved[i - 1], x[i] - play), x[i] + play)
     spring = 1.2 * x + 5.0 * (1.0 - e) * np.maximum(x - 0.35, 0.0) + 4.0 * np.minimum(x + 0.28, 0.0)
-    return spring + held(x, 20.0, 0.2 * (1.0 + e)) + held(moved, 30.0, 1.1 * (1.0 - e))
+    return spring + sliders(x, ((20.0, 0.2 * (1.0 + e)),)) + sliders(moved, ((30.0, 1.1 * (1.0 - e)),))
 
 
 def pressed_by_a_cam(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """A slider that the load of a progressive spring presses."""
     load = 2.5 * (1.0 + e) * x + 4.0 * x**3
-    return load + held(x, 40.0 * (1.0 - e), 0.25 * (1.0 + e) + 0.12 * np.abs(load))
+    force, friction = 0.0, np.zeros(x.size)
+    for i in range(1, x.size):
+        limit = 0.25 * (1.0 + e) + 0.12 * abs(load[i])
+        friction[i] = force = min(max(force + 40.0 * (1.0 - e) * (x[i] - x[i - 1]), -limit), limit)
+    return load + friction
 
 
 JOINTS: dict[str, tuple[Joint, float]] = {

@@ -19,25 +19,27 @@ X = np.sin(1.9 * TIME) * (0.6 + 0.3 * np.sin(0.3 * TIME)) + 0.2 * np.sin(5.2 * T
 STOP = X - plays(X, np.array([0.1]))[:, 0]
 
 
+def as_law(evidence: Evidence, name: str, column: np.ndarray) -> Term:
+    """An effect whose law is ``column`` (n,) in any size, of either sign."""
+    effect = registry.get(name)()
+    law = replace(
+        effect.forms(evidence.scene)[0], columns=lambda _, __: column[:, None], coefficients=("_size",),
+        shapes=(), lower=(-np.inf,), upper=(np.inf,),
+    )  # fmt: skip
+    return Term(effect, law, ())
+
+
 @pytest.mark.parametrize(("power", "named"), [(0.95, {"thermal_drift"}), (0.85, {"thermal_drift", "cyclic_softening"})])
 def test_a_second_effect_is_not_named_for_what_the_first_ones_law_hardly_misses(power: float, named: set[str]) -> None:
     """The gap grows with a power of time; the laws to choose from are a straight line and a square root."""
-    time = np.arange(3000) * 0.01
-    x = np.sin(1.9 * time) * (0.6 + 0.3 * np.sin(0.3 * time)) + 0.2 * np.sin(5.2 * time)
-    sim = 4.0 * x + 2.0 * (x - plays(x, np.array([0.1]))[:, 0])
-    grown = time / time[-1]
-    gap = x * grown**power
-    noise = np.std(gap) / 16.0 * np.random.default_rng(1).standard_normal(x.size)
-    recorded = Signals(time, x, sim + gap + noise, sim, [slice(0, x.size)], {})
+    sim = 4.0 * X + 2.0 * STOP
+    grown = TIME / TIME[-1]
+    gap = X * grown**power
+    noise = np.std(gap) / 16.0 * np.random.default_rng(1).standard_normal(X.size)
+    recorded = Signals(TIME, X, sim + gap + noise, sim, [slice(0, X.size)], {})
     evidence = Evidence(SimulatorScene(recorded, emulate(recorded, None)))
-    terms = []
-    for name, exponent in (("thermal_drift", 1.0), ("cyclic_softening", 0.5)):
-        effect = registry.get(name)()
-        law = replace(
-            effect.forms(evidence.scene)[0], columns=lambda _, __, k=exponent: (x * grown**k)[:, None],
-            lower=(-np.inf,), upper=(np.inf,),
-        )  # fmt: skip
-        terms.append(Term(effect, law, ()))
+    named_by = (("thermal_drift", 1.0), ("cyclic_softening", 0.5))
+    terms = [as_law(evidence, name, X * grown**exponent) for name, exponent in named_by]
     both, one, none = (evidence.fit(terms[:count], evidence.exact) for count in (2, 1, 0))
     both.beside_exact = replace(both)
     # The second is significant in any case: what is asked is whether it is worth naming.
@@ -60,14 +62,7 @@ def test_two_effects_come_before_a_simulator_that_is_off_where_it_does_not_do_ne
     noise = np.std(gap) / 8.0 * np.random.default_rng(1).standard_normal(X.size)
     recorded = Signals(TIME, X, sim + gap + noise, sim, [slice(0, X.size)], {})
     evidence = Evidence(SimulatorScene(recorded, emulate(recorded, None)))
-    terms = []
-    for name, column in (("torque_gain", sim), ("stiffness_asymmetry", second)):
-        effect = registry.get(name)()
-        law = replace(
-            effect.forms(evidence.scene)[0], columns=lambda _, __, k=column: k[:, None], coefficients=("_size",),
-            shapes=(), lower=(-np.inf,), upper=(np.inf,),
-        )  # fmt: skip
-        terms.append(Term(effect, law, ()))
+    terms = [as_law(evidence, *each) for each in (("torque_gain", sim), ("stiffness_asymmetry", second))]
     blank, *found = (evidence.fit(some) for some in ([], *([term] for term in terms), terms))
     for hypothesis in found:
         hypothesis.beside_exact = evidence.fit(hypothesis.terms, evidence.exact)
