@@ -17,6 +17,7 @@ from .heldout import HeldOut, held_out
 from .hum import hum
 from .names import GAIN, MISCALIBRATION, UNKNOWN
 from .noise import structured_power
+from .one_factor import as_one_factor, factor_of_all
 from .operators import rms
 from .parsimony import fewest, hardly_worse, rather_two, simplest
 from .priors import BESIDE_OFF, IDLE, STANDS_IN, prior
@@ -43,19 +44,9 @@ CONSTANTS = 3.0
 BALANCED = 2.0
 """Size of an effect over the gap's beyond which others, or the refitted simulator, would have to cancel it: that is no
 explanation unless the effects close almost all of the gap by themselves, or without the one much is left."""
-ONE_FACTOR = 0.005
-"""Share of the gap's energy that one factor on the torque may leave to be more than a coincidence of several errors."""
-AGAINST_ONE_FACTOR = 20.0
-"""Logarithm of the odds against one factor beyond which it is a coincidence in any case."""
-FOR_ONE_FACTOR = 10.0
-"""The same for one factor beside a simulator that is off beyond which it is none."""
-SEVERAL = 0.02
-"""Share of the gap's energy that one factor leaves where it is several errors rather than one factor."""
 NO_BETTER = 4.0
 """Logarithm of the odds, for each constant of its law, up to which an effect beside an exact simulator is no better than a
 simulator that is off: every simulator is, by a little, and its errors are what such an effect would imitate."""
-SMALL = 3.0
-"""Gap over noise below which such a share cannot be told."""
 CLEARLY_WORSE = 0.004
 """Evidence a sample by which smaller errors must do worse than errors of a tenth for these to be needed."""
 CALIBRATED = 0.8
@@ -186,7 +177,7 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     best = _rather_off(evidence, best, blank, size)
     refit = _judge_refit(evidence, best, energy)
     if best.terms or refit.miscalibrated:
-        other = _as_one_factor(evidence, best, found, energy, size)
+        other = as_one_factor(evidence, best, found, energy, size)
         if other is not best:
             best, refit = other, _judge_refit(evidence, other, energy)
     if best.terms and best.names != {GAIN} and refit.miscalibrated and not evidence.fitted and not is_needed(best):
@@ -300,7 +291,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
         verdict = [UNKNOWN]
     elif not evidence.fitted:
         images = best.images or _imitations(found, best, refit.recalibration * miscalibrated)
-        factor = _one_factor(evidence, found, energy) if verdict == [MISCALIBRATION] else 0.0
+        factor = factor_of_all(evidence, found, energy) if verdict == [MISCALIBRATION] else 0.0
         clock = follows_another_clock(evidence, best, found)
         verdict = [UNKNOWN] if images or factor or clock else verdict
     stated = confidence(CONFIDENCE, verdict, features)
@@ -383,44 +374,6 @@ def _makes_right(evidence: Evidence, hypothesis: Hypothesis, blank: Hypothesis) 
 def _is_nearer(hypothesis: Hypothesis, blank: Hypothesis) -> bool:
     """Whether the simulator is nearer to right beside an effect; else the effect only patches what its errors leave."""
     return hypothesis.scale != blank.scale and all(a <= b for a, b in zip(hypothesis.scale, blank.scale, strict=True))
-
-
-def _as_one_factor(
-    evidence: Evidence, best: Hypothesis, found: Sequence[Hypothesis], energy: float, size: float
-) -> Hypothesis:
-    """A gain in place of a simulator that is off where one factor closes the gap, or the other way round; else ``best``."""
-    gain, blank = next((h for h in found if h.names == {GAIN}), None), found[0]
-    if gain is None or evidence.fitted or energy < SMALL**2 * evidence.sigma**2:
-        # Noise would decide.
-        return best
-
-    def leaves(factor: Hypothesis) -> float:
-        alone = evidence.fit(factor.terms, ((0.0, 0.0),))
-        return (float(np.mean(np.square(evidence.left_over(alone)))) - evidence.sigma**2) / energy
-
-    if not best.terms:
-        plain = next(form for form in gain.terms[0].effect.forms(evidence.scene) if not form.shapes)
-        factor = evidence.fit((replace(gain.terms[0], form=plain, shape=()),), evidence.exact)
-        behind = best.score - factor.score - prior(evidence, factor, size)
-        if behind < AGAINST_ONE_FACTOR and leaves(factor) < ONE_FACTOR:
-            return factor
-        # Beside one the simulator's errors may be the usual ones.
-        usual = [scale for scale in evidence.scales if 0.0 < scale[1] < max(evidence.scales)[1]]
-        beside = evidence.fit(factor.terms, usual)
-        return beside if beside.score - best.score > FOR_ONE_FACTOR and leaves(beside) < SEVERAL else best
-    if best.names == {GAIN} and is_refitted(best.scale) and leaves(best) > SEVERAL:
-        return blank
-    return best
-
-
-def _one_factor(evidence: Evidence, found: Sequence[Hypothesis], energy: float) -> float:
-    """The relative error of the whole torque, where it makes the gap and no effect known here does that; 0 otherwise."""
-    if any(GAIN in h.names for h in found) or energy < SMALL**2 * evidence.sigma**2:
-        return 0.0
-    torque = evidence.scene.torque[evidence.rows]
-    factor = float(torque @ evidence.gap) / max(float(torque @ torque), 1e-300)
-    left = float(np.mean(np.square(evidence.gap - factor * torque))) - evidence.sigma**2
-    return factor if left < ONE_FACTOR * energy else 0.0
 
 
 @dataclass(frozen=True)
