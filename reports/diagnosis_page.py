@@ -131,7 +131,8 @@ def _where_figures(found: Diagnosis) -> list[dict[str, Any]]:
                 axis.plot(centres, rms, color=COLOURS[1], linewidth=1.2, marker="o", markersize=2.5, label="RMS")
                 axis.plot(centres, means, color=COLOURS[0], linewidth=1.0, label="mean")
                 axis.locator_params(axis="x", nbins=5)
-                axis.set_xlabel(f"{place.coordinate.replace('_', ' ')} {_unit(found, place.coordinate)}".strip())
+                named = place.coordinate.replace("_", " "), _unit(found, place.coordinate)
+                axis.set_xlabel(", ".join(filter(None, named)))
             axes.flat[0].set_ylabel(f"gap, {signals.unit}")
             axes.flat[0].legend()
             made.append({"svg": Markup(_svg(figure, "gap over coordinates", "Gap over each leading coordinate")),
