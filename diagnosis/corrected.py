@@ -19,7 +19,7 @@ from .diagnosis import Diagnosis
 from .emulation import Emulator, SimulatorScene, emulate
 from .evidence import Term, effect_columns
 from .generalised import Generalised, motion_of, predict_generalised, spring_of
-from .kinds import ELASTIC, KINDS
+from .kinds import KINDS
 from .motion import Motion
 from .names import MISCALIBRATION, UNKNOWN
 from .notation import GENERAL, explained
@@ -179,7 +179,8 @@ def _checked_further(given: Any) -> dict[str, Any]:
         if kind not in KINDS or not isinstance(elements, Mapping) or set(elements) != {"sizes", "weights"}:
             raise InputError(f"parameter further: {kind!r} must be one of {', '.join(KINDS)}, with sizes and weights")
         sizes = parameter_array("sizes", elements["sizes"], (None, KINDS[kind].width))
-        if KINDS[kind].part != ELASTIC and (np.any(sizes < 0.0) or np.any(sizes[:, 0] == 0.0)):
+        positive = np.setdiff1d(np.arange(sizes.shape[1]), KINDS[kind].signed)
+        if np.any(sizes[:, positive] < 0.0) or (0 in positive and np.any(sizes[:, 0] == 0.0)):
             raise InputError(
                 f"parameter further: sizes of {kind!r} must not be negative, and the first of each positive"
             )

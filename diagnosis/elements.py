@@ -55,7 +55,7 @@ def tangents(further: Further, motion: Motion) -> tuple[Floats, Floats]:
             # Each of these stands for one of the simulator's own, and its sizes for that one's parameters. A slider yields
             # at a quotient of two of them, which may be off by twice as much.
             bulk.append(torque)
-            for at in range(kind.width):
+            for at in np.setdiff1d(np.arange(kind.width), kind.exact).tolist():
                 if at in kind.corners:
                     bulk += _either_way(kind, motion, sizes, weights, at, MOVED, 2.0 * MOVED)
                 else:

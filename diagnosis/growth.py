@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from .kinds import ELASTIC, KINKS, Kind
 from .motion import Extent, Motion
 from .placing import placed
-from .selection import CLEARLY, EXACT, Selection, spread
+from .selection import CLEARLY, EXACT, WORTHWHILE, Selection, spread
 
 __all__ = ["PLACED", "RATES", "STOPS", "Growth"]
 
@@ -18,6 +18,8 @@ Floats = NDArray[np.float64]
 Places = NDArray[np.intp]
 STOPS, PLACED, RATES = "stops", "placed", "rates"
 """What there is in any case besides an elastic curve; some of the stops only where they are needed."""
+SIMPLE = 3
+"""Sizes of an element up to which it is taken in as readily as those that are not moved."""
 ROUNDS = 2
 """Kinds of elements with sizes to move that are taken in one after the other, at most."""
 WELL_EMULATED = 0.002
@@ -69,11 +71,14 @@ class Growth:
         Of the kinds that are moved to their places those in ``placing`` are tried.
         """
         movable = {name: kind for name, kind in self._kinds.items() if kind.limits and name in placing}
-        # Where the spring has corners, what is left without them says little of the rest.
-        kinks = self._chosen([KINKS]).get(KINKS, np.empty(0, dtype=np.intp))
-        beside = [*self._beside, *([self._columns(KINKS, kinks)] if kinks.size else [])]
-        chosen: dict[str, Places] = {KINKS: kinks}
-        needed: list[str] = []
+        # Where the spring has corners, or waves, what is left without them says little of the rest.
+        springs = {name: kind for name, kind in movable.items() if kind.part == ELASTIC}
+        more = placed(springs, self._extent, self._motion, np.hstack(self._beside), self._target, self._sign)
+        self._take_up(more)
+        chosen = self._chosen([KINKS], list(more))
+        chosen = {KINKS: np.empty(0, dtype=np.intp)} | {name: at for name, at in chosen.items() if name in self._sizes}
+        beside = [*self._beside, *(self._columns(name, at) for name, at in chosen.items() if at.size)]
+        needed = [name for name in chosen if name in movable]
         refused: set[str] = set()
         for this in range(ROUNDS):
             rest = {name: kind for name, kind in movable.items() if name not in needed and name not in refused}
@@ -81,8 +86,7 @@ class Growth:
             more = placed(rest, self._extent, self._motion, np.hstack(beside), self._target, self._sign, enough)
             if this and not more:
                 break
-            self._sizes |= more
-            self._made |= self._sampled(more)
+            self._take_up(more)
             before, chosen = chosen, self._chosen([STOPS, *self._grid], [*needed, *more], needed)
             # What some kinds leave may be another's, which hardly helped beside all that.
             new = [
@@ -98,6 +102,11 @@ class Growth:
                 break
         finer = chosen[STOPS].size > self._few.size
         return finer, {name: self._sizes[name][at] for name, at in chosen.items() if name in self._sizes}
+
+    def _take_up(self, more: Mapping[str, Floats]) -> None:
+        """Further elements to choose from, by their kind."""
+        self._sizes |= more
+        self._made |= self._sampled(more)
 
     def _columns(self, name: str, which: Places) -> Floats:
         return self._kinds[name].columns(self._motion, self._sizes[name][which])
@@ -124,6 +133,7 @@ class Growth:
         for name in (name for name in moved if name not in needed):
             with_moved = selection.grow(base | {name: places[name]}, growing, [KINKS])
             # Sliders with mass also round corners that have nothing to do with mass.
-            if selection.error(with_moved) < CLEARLY * selection.error(chosen):
+            enough = CLEARLY if self._kinds[name].width > SIMPLE else WORTHWHILE
+            if selection.error(with_moved) < enough * selection.error(chosen):
                 chosen = with_moved
         return {name: at - places[name][0] for name, at in chosen.items()}

@@ -27,12 +27,17 @@ from .single_elements import (
     by_speed_and_side,
     curved,
     curved_together,
+    damping,
+    damping_beyond,
     in_contact,
     kink,
     lag,
     lagging,
     lagging_together,
     leaves,
+    preload,
+    pressed_by_speed,
+    ripple,
     rubber,
     slipping,
     stops,
@@ -66,18 +71,22 @@ class Kind:
     columns : callable
         ``columns(motion, sizes) -> (n, k)``, the torque of each for a weight of one.
     between : mapping of int to (float, float)
-        Between which values, themselves left out, a size must lie, by its place; none is negative anyway.
+        Between which values, themselves left out, a size must lie, by its place; none is negative but those ``signed``.
     timed : bool
         Whether it is left out where a recording has no clock. Speed is there in any case: it tells the direction.
     together : callable, optional
         ``together(motion, sizes, weights) -> (n,)``, the torque of all, where that takes less than to make each.
     limits : callable, optional
-        ``limits(extent) -> (2, m)``, positive, between which sizes are moved to their best places from those to choose
+        ``limits(extent) -> (2, m)``, positive but those ``signed``, between which sizes are moved to their best places from those to choose
         from, which are not fine enough to be taken as they are.
     later : sequence of int
         Which sizes stay where they are until all elements are there: with all at once the way there is easily lost.
     corners : sequence of int
         Which sizes tell where the torque has corners.
+    exact : sequence of int
+        Which sizes no simulator has wrong, such as how many teeth there are.
+    signed : sequence of int
+        Which sizes may be negative: places.
     by_speed : bool
         Whether it knows the speed, sharply enough to tell how that was made of the deflection.
     all_along : bool
@@ -96,6 +105,8 @@ class Kind:
     limits: Callable[[Extent], Floats] | None = None
     later: Sequence[int] = ()
     corners: Sequence[int] = (0,)
+    exact: Sequence[int] = ()
+    signed: Sequence[int] = ()
     by_speed: bool = False
     all_along: bool = False
     last: bool = False
@@ -157,6 +168,26 @@ def _slip_elements(column: Callable[..., Floats]) -> Kind:
     )  # fmt: skip
 
 
+def _ripples(power: int) -> Kind:
+    return Kind(
+        ELASTIC, False,
+        lambda extent: np.array(list(itertools.product(
+            extent.reach / np.arange(3.0, 60.0, 0.75), np.pi * np.array([0.9, 1.15, 1.4, 1.65])
+        ))),
+        _by_row(functools.partial(ripple, power=power)),
+        {0: (0.0, np.inf)},
+        limits=lambda extent: np.array([[extent.reach / 80.0, 0.4 * np.pi], [extent.reach / 2.0, 2.6 * np.pi]]),
+        corners=(),
+        exact=(0,),
+    )  # fmt: skip
+
+
+def _at_places(extent: Extent, widths: Sequence[float], *others: tuple[float, ...]) -> Floats:
+    """Several places, each with each of these widths, as shares of the reach, and with each of the other sizes."""
+    places = extent.reach * np.array([-0.7, -0.4, -0.15, 0.0, 0.15, 0.4, 0.7])
+    return _with(places, *((width * extent.reach, *other) for width in widths for other in others or ((),)))
+
+
 def _engaging(columns: Callable[[Motion, Floats], Floats]) -> Kind:
     return Kind(
         MEMORY, True,
@@ -173,6 +204,19 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         ELASTIC, False,
         lambda extent: extent.reach * np.linspace(-0.96, 0.96, PLACES)[:, None],
         _by_row(kink),
+        signed=(0,),
+    ),
+    # Detents, motors with poles and slots, teeth in mesh.
+    "a few ripples": _ripples(0),
+    "a few ripples of the stiffness": _ripples(1),
+    # Springs with a preload.
+    "a few preloads": Kind(
+        ELASTIC, False,
+        lambda extent: _at_places(extent, (0.01, 0.03, 0.1)),
+        _by_row(preload),
+        {1: (0.0, np.inf)},
+        limits=lambda extent: extent.reach * np.array([[-1.0, 0.003], [1.0, 0.5]]),
+        signed=(0,),
     ),
     # Rubber: the friction of Berg (Vehicle System Dynamics 30, 1998).
     "rubber": Kind(
@@ -339,6 +383,36 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         {0: (0.0, np.inf), 1: (0.0, np.inf)},
         limits=lambda extent: extent.fast * np.array([[0.003, 0.001], [5.0, 20.0]]),
         by_speed=True,
+    ),
+    # Friction between teeth.
+    "friction by speed and load": Kind(
+        RATE, False,
+        lambda extent: extent.fast * np.geomspace(0.003, 0.3, 6)[:, None] * [1.0, 0.0] + [0.0, 1.0],
+        _by_row(pressed_by_speed),
+        limits=lambda extent: np.array([[1e-3 * extent.fast, 0.3], [3.0 * extent.fast, 4.0]]),
+        by_speed=True,
+    ),
+    # Orifices, door closers, shock absorbers.
+    "damping by direction": Kind(
+        RATE, False,
+        lambda extent: np.array(list(itertools.product((0.5, 1.0, 1.5, 2.0), (0.0, 1.0)))),
+        _by_row(damping),
+        timed=True,
+    ),
+    "damping by direction and place": Kind(
+        RATE, False,
+        lambda extent: np.array(list(itertools.product((1.0, 2.0), (0.0, 1.0), (1, 2)))),
+        _by_row(damping),
+        timed=True,
+    ),
+    "damping beyond a place": Kind(
+        RATE, False,
+        lambda extent: _at_places(extent, (0.02, 0.1), (0.1,), (1.0,), (10.0,)),
+        _by_row(damping_beyond),
+        {1: (0.0, np.inf)},
+        timed=True,
+        limits=lambda extent: np.array([[-extent.reach, 0.003 * extent.reach, 0.01], [extent.reach, 0.5 * extent.reach, 100.0]]),
+        signed=(0,),
     ),
     # Its backlash and stops: they damp only where they touch.
     "damping in contact": Kind(

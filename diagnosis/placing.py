@@ -101,7 +101,7 @@ def _rows(motion: Motion) -> NDArray[np.intp]:
 
 
 class _Maker:
-    """Elements of one kind, all of whose sizes are moved by least squares, on a scale of logarithms.
+    """Elements of one kind, all of whose sizes are moved by least squares, on a scale of logarithms but for signed ones.
 
     The weights are eliminated from it (variable projection: Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973).
     """
@@ -111,15 +111,16 @@ class _Maker:
     ) -> None:
         assert kind.limits is not None
         limits = kind.limits(extent)
-        self._low, self._high = np.log(limits)
+        self._signed, self._unit = np.isin(np.arange(kind.width), kind.signed), limits[1]
+        self._low, self._high = self._logs(limits)
         self._first = ~np.isin(np.arange(self._low.size), kind.later)
         self._hopeless_at_first = COSTLY if kind.timed else HOPELESS
-        self._starts = np.log(np.clip(kind.sizes(extent), *limits))
-        self._tried = columns(np.exp(self._starts))
+        self._starts = self._logs(np.clip(kind.sizes(extent), *limits))
+        self._tried = columns(self._sizes(self._starts))
         self._goal = goal
         self._sign = sign
         # From one derivative to the next only the sizes of one element differ.
-        self._column = functools.lru_cache(maxsize=2 * MOST)(lambda logs: columns(np.exp([logs]))[:, 0])
+        self._column = functools.lru_cache(maxsize=2 * MOST)(lambda logs: columns(self._sizes(np.array(logs)))[:, 0])
 
     def _columns(self, logs: Floats) -> Floats:
         made = [self._column(tuple(row)) for row in logs.reshape(-1, self._low.size).tolist()]
@@ -144,7 +145,12 @@ class _Maker:
         return self._of_one_sign(logs, error) if logs.size and self._sign else (self._sizes(logs), error)
 
     def _sizes(self, logs: Floats) -> Floats:
-        return np.exp(logs.reshape(-1, self._low.size))
+        rows = logs.reshape(-1, self._unit.size)
+        return np.where(self._signed, rows * self._unit, np.exp(rows))
+
+    def _logs(self, sizes: Floats) -> Floats:
+        """Logarithms of sizes (k, m); of those that have a sign their shares of the largest."""
+        return np.where(self._signed, sizes / self._unit, np.log(np.where(self._signed, 1.0, sizes)))
 
     def _of_one_sign(self, logs: Floats, error: float) -> tuple[Floats, float]:
         """Those elements whose weights have the sign that they must have, and the error that they leave."""

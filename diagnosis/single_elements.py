@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import expit
 
 from .motion import Motion
 from .operators import attracted, enveloped, hyperbolic, lowpass, plays, yielding
@@ -21,12 +22,17 @@ __all__ = [
     "by_speed_and_side",
     "curved",
     "curved_together",
+    "damping",
+    "damping_beyond",
     "in_contact",
     "kink",
     "lag",
     "lagging",
     "lagging_together",
     "leaves",
+    "preload",
+    "pressed_by_speed",
+    "ripple",
     "rubber",
     "slipping",
     "stops",
@@ -40,6 +46,36 @@ Floats = NDArray[np.float64]
 def kink(motion: Motion, place: float) -> Floats:
     """A spring that engages beyond ``place``, rad, on its side of the middle."""
     return np.asarray(np.maximum(motion.x - place, 0.0) if place > 0.0 else np.minimum(motion.x - place, 0.0))
+
+
+def ripple(motion: Motion, length: float, phase: float, power: int = 0) -> Floats:
+    """A torque that comes again after a way of 2π ``length``, rad, none at rest: detents, poles and slots, teeth.
+
+    Times a ``power`` of the deflection.
+    """
+    wave = np.sin(motion.x / length + phase)
+    return np.asarray(wave * motion.x**power if power else wave - np.sin(phase))
+
+
+def preload(motion: Motion, place: float, width: float) -> Floats:
+    """A preload that turns round at ``place``, smooth over ``width``, rad; none at rest."""
+    return np.asarray(expit((motion.x - place) / width) - expit(-place / width))
+
+
+def damping(motion: Motion, power: float, back: float, by_place: float = 0.0) -> Floats:
+    """Damping by a ``power`` of the speed, on the way back ``back`` times as much, and by a power of the deflection."""
+    by_side = np.where(motion.speed > 0.0, 1.0, -back) * np.abs(motion.speed) ** power
+    return np.asarray(by_side * motion.x**by_place)
+
+
+def damping_beyond(motion: Motion, place: float, width: float, back: float) -> Floats:
+    """Damping beyond ``place``, smooth over ``width``, rad, on the way back ``back`` times as much."""
+    return damping(motion, 1.0, back) * expit((motion.x - place) / width)
+
+
+def pressed_by_speed(motion: Motion, pace: float, power: float) -> Floats:
+    """Friction that a ``power`` of the deflection presses, its sign smooth over ``pace``, rad/s."""
+    return np.asarray(np.tanh(motion.speed / pace) * np.abs(motion.x) ** power)
 
 
 def leaves(motion: Motion, length: float, back: float, growth: float) -> Floats:

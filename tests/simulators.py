@@ -314,6 +314,34 @@ def pressed_by_a_cam(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return load + friction
 
 
+def door_closer(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """A preloaded spring and oil that flows more easily one way, and hardly near the latch."""
+    speed = np.gradient(x, time)
+    latch = 1.0 + 2.0 * (1.0 - e) / (1.0 + np.exp((x - 0.15 * (1.0 + e)) / 0.04))
+    oil = np.where(speed > 0.0, 0.15 * (1.0 - e), 0.6 * (1.0 + e) * latch) * speed
+    spring = 2.0 * (1.0 + e) * np.tanh(x / 0.03) + 4.0 * (1.0 - e) * x
+    return spring + oil + sliders(x, ((20.0, 0.03 * (1.0 + e)),))
+
+
+def detents(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """A motor with poles behind a spring."""
+    return 4.0 * (1.0 + e) * x + 0.4 * (1.0 - e) * np.sin(24.0 * x + 0.7) + sliders(x, ((15.0, 0.04 * (1.0 - e)),))
+
+
+def teeth(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """A pair of gears: its stiffness waves with each tooth, its friction is pressed by what it carries."""
+    carried = 5.0 * (1.0 + e) * x * (1.0 + 0.04 * (1.0 - e) * np.sin(30.0 * x + 0.4))
+    mesh = 0.08 * (1.0 - e) * np.abs(carried) * np.tanh(np.gradient(x, time) / 0.05)
+    return carried + mesh + sliders(x, ((10.0, 0.05 * (1.0 + e)),))
+
+
+def absorber(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """An orifice that opens one way, beside a spring and seals."""
+    speed = np.gradient(x, time)
+    oil = np.where(speed > 0.0, 0.3 * (1.0 + e), 1.2 * (1.0 - e)) * speed * np.abs(speed) + 0.2 * (1.0 + e) * speed
+    return 3.0 * (1.0 - e) * x + oil + sliders(x, ((12.0, 0.05 * (1.0 + e)),))
+
+
 JOINTS: dict[str, tuple[Joint, float]] = {
     "kinked": (kinked, 0.005),
     "two sliders": (two_sliders, 0.002),
@@ -343,5 +371,9 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "staged damper": (staged_damper, 0.01),
     "predamper": (predamper, 0.01),
     "pressed by a cam": (pressed_by_a_cam, 0.01),
+    "door closer": (door_closer, 0.01),
+    "detents": (detents, 0.005),
+    "teeth": (teeth, 0.01),
+    "absorber": (absorber, 0.005),
 }
 """With the error, as a share of the output, that the emulator may make over a motion that it never saw."""

@@ -16,7 +16,7 @@ from hystbench.diagnosis.corrected import CorrectedSimulator
 from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.emulation import emulate
 from hystbench.diagnosis.generalised import Generalised, spring_of
-from hystbench.diagnosis.operators import attracted, hyperbolic
+from hystbench.diagnosis.operators import attracted, hyperbolic, rms
 from hystbench.diagnosis.signals import Signals
 from hystbench.errors import InputError
 
@@ -245,9 +245,13 @@ def test_model_file_keeps_further_elements_and_tells_what_is_wrong_with_them() -
     bent = made().predict(signals.x)
     assert np.std(bent - signals.y_sim) < 0.01 * np.std(signals.y_sim)
     assert np.std(made(further={}).predict(signals.x) - signals.y_sim) > 0.05 * np.std(signals.y_sim)
+    # Places have a sign.
+    behind = {"damping beyond a place": {"sizes": [[-0.2, 0.05, 0.0]], "weights": [1.0]}}
+    added = made(further=behind).predict(signals.x) - made(further={}).predict(signals.x)
+    assert rms(added[signals.x > 0.0]) > 3.0 * rms(added[signals.x < -0.3])
     for wrong in (
         3.0, {"rope": {"sizes": [[1.0]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]]}},
-        {"rubber": {"sizes": [[0.0]], "weights": [1.0]}}, {"a few sliders with mass": {"sizes": [[0.1, 30.0, 1.0, 0.0, 0.0, 0.0, 0.1]], "weights": [1.0]}}, {"leaky sliders": {"sizes": [[0.1, 0.0]], "weights": [1.0]}}, {"a few pinched sliders": {"sizes": [[0.1, 1.0, 0.5, 1.0, 0.2, 0.2]], "weights": [1.0]}}, {"a few hardening sliders": {"sizes": [[0.1, 1.0, 0.0, 1.0, 0.5, 0.1, 1.0]], "weights": [1.0]}}, {"a few sliders behind dashpots": {"sizes": [[0.1, 1.0, 0.5, 0.0, 0.1, 0.1]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]], "weights": [1.0, 2.0]}}, {"kinks": {"sizes": [[0.1, 2.0]], "weights": [1.0]}},
+        {"rubber": {"sizes": [[0.0]], "weights": [1.0]}}, {"a few sliders with mass": {"sizes": [[0.1, 30.0, 1.0, 0.0, 0.0, 0.0, 0.1]], "weights": [1.0]}}, {"leaky sliders": {"sizes": [[0.1, 0.0]], "weights": [1.0]}}, {"damping beyond a place": {"sizes": [[0.1, 0.0, 1.0]], "weights": [1.0]}}, {"damping beyond a place": {"sizes": [[0.1, 0.1, -1.0]], "weights": [1.0]}}, {"a few pinched sliders": {"sizes": [[0.1, 1.0, 0.5, 1.0, 0.2, 0.2]], "weights": [1.0]}}, {"a few hardening sliders": {"sizes": [[0.1, 1.0, 0.0, 1.0, 0.5, 0.1, 1.0]], "weights": [1.0]}}, {"a few sliders behind dashpots": {"sizes": [[0.1, 1.0, 0.5, 0.0, 0.1, 0.1]], "weights": [1.0]}}, {"kinks": {"sizes": [[0.1]], "weights": [1.0, 2.0]}}, {"kinks": {"sizes": [[0.1, 2.0]], "weights": [1.0]}},
     ):  # fmt: skip
         with pytest.raises(InputError) as told:
             made(further=wrong)
