@@ -20,6 +20,7 @@ __all__ = [
     "plays",
     "pressed",
     "rms",
+    "slid",
     "smooth",
     "weighed",
     "yielding",
@@ -251,6 +252,14 @@ def _yielding(x, level, length, out):
 
 
 @njit(cache=True)
+def _slid(x, level, length, out):
+    f = 0.0
+    for i in range(1, x.size):
+        f = min(max(f + (x[i] - x[i - 1]) / length, -level[i]), level[i])
+        out[i] = f
+
+
+@njit(cache=True)
 def _attracted(time, x, level, length, settling, sudden, out):
     f, way, sticks = 0.0, 0.0, True
     out[0] = 0.0
@@ -448,6 +457,13 @@ def yielding(x: Floats, level: Floats, length: float) -> Floats:
     """LuGre bristle of stiffness 1/``length`` over ``x`` (n,) that yields at ``level`` (n,), shape (n,)."""
     out = np.zeros(x.size)
     _yielding(np.ascontiguousarray(x), np.ascontiguousarray(level), float(length), out)
+    return out
+
+
+def slid(x: Floats, level: Floats, length: float) -> Floats:
+    """Spring of stiffness 1/``length`` over ``x`` (n,) whose slider gives way at ``level`` (n,), shape (n,)."""
+    out = np.zeros(x.size)
+    _slid(np.ascontiguousarray(x), np.ascontiguousarray(level), float(length), out)
     return out
 
 

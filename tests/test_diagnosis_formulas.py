@@ -62,13 +62,15 @@ def words() -> dict[str, Any]:
         def step(state: float, k: int) -> float:
             dx = (x[k] - x[k - 1]) / fine
             for _ in range(fine):
-                state += (dx - abs(dx) * state / high[k]) / d
+                # Implicit, for it may hold almost nothing.
+                state = (state + dx / d) / (1.0 + abs(dx) / (d * max(high[k], 1e-12)))
             return state
 
         return followed(x, step)
 
-    def slip(x: Floats, d: float) -> Floats:
-        return followed(x, lambda state, k: float(np.clip(state + (x[k] - x[k - 1]) / d, -1.0, 1.0)))
+    def slip(x: Floats, d: float, h: Floats | float = 1.0) -> Floats:
+        high = np.broadcast_to(h, x.shape)
+        return followed(x, lambda state, k: float(np.clip(state + (x[k] - x[k - 1]) / d, -high[k], high[k])))
 
     def play(x: Floats, h: float) -> Floats:
         return followed(x, lambda p, k: min(max(p, x[k] - h), x[k] + h))

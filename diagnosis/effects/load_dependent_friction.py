@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import MappingProxyType
 from typing import ClassVar
 
 import numpy as np
 
+from ..operators import slid, yielding
 from .base import (
     LOW,
     NOT,
+    PARTS,
     PRESLIDING,
+    Columns,
     DirectionLaw,
     Effect,
     Floats,
@@ -23,6 +27,14 @@ from .base import (
 )
 
 __all__ = ["LoadDependentFriction"]
+BARELY = 1e-9
+"""Load, over the largest, below which contacts hold nothing."""
+CONTACTS = MappingProxyType({
+    "presliding": ("pressed bristles", "dahl", yielding),
+    "elastic presliding": ("pressed slider", "slip", slid),
+})  # fmt: skip
+"""Contacts of constant stiffness by the law of direction that they follow: what they are called, in words and in equations, and
+their motion."""
 LOAD_WORDS = ("pressure", "load", "force", "tension", "preload", "clamp", "bar")
 
 
@@ -54,6 +66,18 @@ def _degressive(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Float
     return columns
 
 
+def _pressed(load: Callable[[Scene], Floats], sliding: Callable[[Floats, Floats, float], Floats]) -> Columns:
+    """Contacts of constant stiffness that give way later the more they are pressed together."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        signals, pressing = scene.signals, np.abs(load(scene))
+        most = max(float(np.max(pressing)), 1e-300)
+        level = np.maximum(pressing / most, BARELY)
+        return most * signals.per_run(lambda run: sliding(signals.smooth_x[run], level[run], shape[0]))[:, None]
+
+    return columns
+
+
 def _inside(scene: Scene, shape: tuple[float, ...]) -> Floats:
     """The elements inside the joint slide later the more it is loaded."""
     size = max(float(np.max(np.abs(scene.spring))), 1e-300)
@@ -68,7 +92,7 @@ class LoadDependentFriction(Effect):
     summary: ClassVar[str] = "friction in proportion to the transmitted load (gear teeth, pulleys, pressed seals)"
     equation: ClassVar[str] = (
         "y += μ |y_sim| s   (|load channel|, |y_sim|^p or the elastic part in place of |y_sim|; μ' where the joint is driven "
-        "back; or friction inside the joint that slides later under load)"
+        "back; contacts of constant stiffness that give way at μ |y_sim|; or friction inside the joint that slides later under load)"
     )
     coordinate: ClassVar[str] = "load"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -114,6 +138,16 @@ class LoadDependentFriction(Effect):
                      (law.parameter,), (), [law.limits], simple,
                      equation=f"y += friction_coefficient * abs(y_spring) * {law.equation}"),
             ]  # fmt: skip
+        for of, load in {**loads, "elastic torque": PARTS["the spring"]}.items():
+            pressing = f"abs({load.symbol})"
+            for law in (law for law in laws if law.name in CONTACTS):
+                contact, word, sliding = CONTACTS[law.name]
+                told = f"{word}(x, {law.parameter}, {pressing} / max({pressing}))"
+                made.append(
+                    Form(f"by {of}, {contact}", ("friction_coefficient",), _pressed(load.of, sliding), (0.0,), (np.inf,),
+                         (law.parameter,), (), [law.limits], (f"by {of}, {law.name}",),
+                         equation=f"y += friction_coefficient * max({pressing}) * {told}")
+                )  # fmt: skip
         inside = Form("inside the joint", ("strength_gain",), _inside, (0.0,), (np.inf,),
                       equation="y += strength_gain * abs(y_spring) / max(abs(y_spring)) * y_strength")  # fmt: skip
         return [*made, *less, inside]
