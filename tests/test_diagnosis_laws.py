@@ -9,6 +9,7 @@ import pytest
 from joints import clearance, sliders, through_a_clearance
 from motions import swelling
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from hystbench.diagnosis import registry
 from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
@@ -145,6 +146,47 @@ def test_a_stop_that_loses_energy_is_a_stop(side: float) -> None:
     force = 6.0 * depth + np.where(depth > 0.0, 0.25 * side * np.gradient(x, time), 0.0)
     found = diagnosed(x, joint(x) + side * np.maximum(force, 0.0))
     assert found.verdict == ["end_stop"]
+
+
+def test_a_clutch_that_slips_in_series_is_a_saturation_with_memory() -> None:
+    """Its slip is where the joint carries no more than the clutch holds, solved for at each sample."""
+    _, x = swelling()
+    held, slipped, real = 3.4, 0.0, np.empty(x.size)
+
+    def carried(at: float) -> float:
+        return 4.0 * at + 0.6 * at**3
+
+    for i, now in enumerate(x):
+        if abs(carried(now - slipped)) > held:
+            most = brentq(lambda at: carried(at) - held, 0.0, 2.0)
+            slipped = now - np.copysign(most, now - slipped)
+        real[i] = carried(now - slipped)
+    time, _ = swelling(x.size)
+    noise = NOISE * np.random.default_rng(5).standard_normal(x.size)
+    found = diagnose(Signals(time, x, real + noise, carried(x), [slice(0, x.size)], {}))
+    assert found.verdict == ["torque_saturation"]
+    (report,) = (e for e in found.effects if e.name == "torque_saturation")
+    assert report.parameters["limit"] == pytest.approx(held, rel=0.03)
+    assert report.closed > 0.9
+
+
+@pytest.mark.parametrize("sharp", [True, False])
+def test_contacts_that_the_load_presses_together_give_way_at_a_level_and_not_at_a_deflection(sharp: bool) -> None:
+    _, x = swelling()
+    load, force, friction = np.abs(joint(x)), 0.0, np.zeros(x.size)
+    for i in range(1, x.size):
+        for _ in range(20):
+            step, most = (x[i] - x[i - 1]) / 20, 0.08 * load[i] + 1e-9
+            force = (
+                np.clip(force + 5.0 * step, -most, most)
+                if sharp
+                else force + 5.0 * step - 5.0 * abs(step) * force / most
+            )
+            force = float(np.clip(force, -most, most))
+        friction[i] = force
+    found = diagnosed(x, joint(x) + friction)
+    assert found.verdict == ["load_dependent_friction"]
+    assert found.closed_in_all > 0.98
 
 
 def test_friction_with_a_bristle_of_its_own_dynamics_is_stribeck() -> None:
