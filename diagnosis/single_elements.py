@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import expit
 
+from .levels import attracted, yielding
 from .motion import Motion
-from .operators import attracted, enveloped, hyperbolic, lowpass, plays, yielding
+from .operators import enveloped, hyperbolic, lowpass, plays
 
 __all__ = [
     "at_low_speed",

@@ -16,7 +16,8 @@ from hystbench.diagnosis.corrected import CorrectedSimulator
 from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.emulation import emulate
 from hystbench.diagnosis.generalised import Generalised, spring_of
-from hystbench.diagnosis.operators import attracted, hyperbolic, rms
+from hystbench.diagnosis.levels import attracted
+from hystbench.diagnosis.operators import hyperbolic, rms
 from hystbench.diagnosis.signals import Signals
 from hystbench.errors import InputError
 

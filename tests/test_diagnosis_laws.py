@@ -14,8 +14,9 @@ from scipy.optimize import brentq
 from hystbench.diagnosis import registry
 from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
 from hystbench.diagnosis.emulation import SimulatorScene, emulate
+from hystbench.diagnosis.levels import yielding
 from hystbench.diagnosis.masses import free_flight
-from hystbench.diagnosis.operators import bristle, yielding
+from hystbench.diagnosis.operators import bristle
 from hystbench.diagnosis.quantisation import torque_step
 from hystbench.diagnosis.signals import Signals
 from hystbench.diagnosis.wording import sentence

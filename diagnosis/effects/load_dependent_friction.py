@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..operators import slid, yielding
+from ..levels import slid, yielding
 from .base import (
     LOW,
     NOT,

@@ -7,7 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..operators import rms, yielding
+from ..levels import yielding
+from ..operators import rms
 from .base import LOW, NOT, PRESLIDING, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws
 
 __all__ = ["StribeckFriction"]

@@ -1,0 +1,81 @@
+"""Compiled bristles and sliders that give way at a level which changes on the way."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+__all__ = ["attracted", "slid", "yielding"]
+
+Floats = NDArray[np.float64]
+
+
+@njit(cache=True)
+def _yielding(x, level, length, out):
+    f = 0.0
+    for i in range(1, x.size):
+        moved = x[i] - x[i - 1]
+        towards = level[i] if moved > 0.0 else -level[i]
+        f = towards + (f - towards) * np.exp(-abs(moved) / (length * level[i]))
+        out[i] = f
+
+
+@njit(cache=True)
+def _slid(x, level, length, out):
+    f = 0.0
+    for i in range(1, x.size):
+        f = min(max(f + (x[i] - x[i - 1]) / length, -level[i]), level[i])
+        out[i] = f
+
+
+@njit(cache=True)
+def _attracted(time, x, level, length, settling, sudden, out):
+    f, way, sticks = 0.0, 0.0, True
+    out[0] = 0.0
+    for i in range(1, x.size):
+        moved, most = x[i] - x[i - 1], length * level[i]
+        towards = 1.0 if moved > 0.0 else -1.0
+        if moved == 0.0 and sudden:
+            towards = way
+        if (moved == 0.0 and not sudden) or towards != way:
+            sticks, way = True, towards
+        if sticks:
+            f += moved
+            if f * towards >= most:
+                f, sticks = towards * most, False
+            elif sudden and -f * towards > most:
+                # The level fell faster than the element was relieved.
+                f, sticks = -towards * most, False
+        else:
+            f = towards * most + (f - towards * most) * np.exp((time[i - 1] - time[i]) / (settling * level[i]))
+        out[i] = f
+
+
+def yielding(x: Floats, level: Floats, length: float) -> Floats:
+    """LuGre bristle of stiffness 1/``length`` over ``x`` (n,) that yields at ``level`` (n,), shape (n,)."""
+    out = np.zeros(x.size)
+    _yielding(np.ascontiguousarray(x), np.ascontiguousarray(level), float(length), out)
+    return out
+
+
+def slid(x: Floats, level: Floats, length: float) -> Floats:
+    """Spring of stiffness 1/``length`` over ``x`` (n,) whose slider gives way at ``level`` (n,), shape (n,)."""
+    out = np.zeros(x.size)
+    _slid(np.ascontiguousarray(x), np.ascontiguousarray(level), float(length), out)
+    return out
+
+
+def attracted(time: Floats, x: Floats, level: Floats, length: float, settling: float, sudden: bool = False) -> Floats:
+    """Maxwell slip element of unit stiffness over ``x`` (n,) from rest that gives way at ``length`` times ``level`` (n,), shape (n,).
+
+    While it slips it approaches that with the time constant ``settling`` (s) times the level; it sticks again where the motion
+    turns or stops (Lampaert, Al-Bender and Swevers, IEEE Int. Conf. Physics and Control, 2003: generalised Maxwell slip).
+
+    A ``sudden`` one, as it is often written, slips on where the motion only stops, and gives way either way where the level
+    falls faster than it is relieved.
+    """
+    out = np.empty(x.size)
+    time, x, level = np.ascontiguousarray(time), np.ascontiguousarray(x), np.ascontiguousarray(level)
+    _attracted(time, x, level, float(length), float(settling), sudden, out)
+    return out
