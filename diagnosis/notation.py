@@ -23,6 +23,7 @@ WORDS: Mapping[str, str] = MappingProxyType({
     "plays": "plays(x, h1, h2): mean of seven p with p = clip(p, x - h, x + h) at each step, h evenly from h1 to h2",
     "lowpass": "lowpass(u, T): w with T dw/dt = u - w and w = u at the start",
     "creep": "creep(x, T, p, L): f with df/dt = v - (f / T) abs(f / L)**(p - 1) and f = 0 at the start (a spring behind a dashpot)",
+    "fractional": "fractional(u, p): derivative of u of the order p (0 to 1), from u at the start (Grünwald and Letnikov)",
     "heat": "heat(u, T): w with T dw/dt = abs(u) - w and w = 0 at the start",
     "late": "late(u, T): u(t - T)",
     "resonator": "resonator(u, w, d): z with d²z/dt² + 2 d w dz/dt + w² z = w² u, from rest, or settled where it was moving",

@@ -21,6 +21,9 @@ FOR_ONE_FACTOR = 10.0
 """The same for one factor beside a simulator that is off beyond which it is none."""
 SEVERAL = 0.02
 """Share of the gap's energy that one factor leaves where it is several errors rather than one factor."""
+TOO_LARGE, MOST_LEFT = 0.07, 0.1
+"""A factor on the torque beyond what parameters that are off by a few per cent make together, and the share of the gap's
+energy that it may leave to them."""
 SMALL = 3.0
 """Gap over noise below which such a share cannot be told."""
 
@@ -33,6 +36,8 @@ def as_one_factor(
     if gain is None or evidence.fitted or energy < SMALL**2 * evidence.sigma**2:
         # Noise would decide.
         return best
+    factor_alone, left = _factor(evidence)
+    is_too_large = abs(factor_alone) > TOO_LARGE and left - evidence.sigma**2 < MOST_LEFT * energy
 
     def leaves(factor: Hypothesis) -> float:
         alone = evidence.fit(factor.terms, ((0.0, 0.0),))
@@ -47,8 +52,10 @@ def as_one_factor(
         # Beside one the simulator's errors may be the usual ones.
         usual = [scale for scale in evidence.scales if 0.0 < scale[1] < max(evidence.scales)[1]]
         beside = evidence.fit(factor.terms, usual)
-        return beside if beside.score - best.score > FOR_ONE_FACTOR and leaves(beside) < SEVERAL else best
-    if best.names == {GAIN} and is_refitted(best.scale) and leaves(best) > SEVERAL:
+        if beside.score - best.score > FOR_ONE_FACTOR and leaves(beside) < SEVERAL:
+            return beside
+        return beside if is_too_large else best
+    if best.names == {GAIN} and is_refitted(best.scale) and leaves(best) > SEVERAL and not is_too_large:
         return blank
     return best
 
@@ -57,7 +64,12 @@ def factor_of_all(evidence: Evidence, found: Sequence[Hypothesis], energy: float
     """The relative error of the whole torque, where it makes the gap and no effect known here does that; 0 otherwise."""
     if any(GAIN in h.names for h in found) or energy < SMALL**2 * evidence.sigma**2:
         return 0.0
+    factor, left = _factor(evidence)
+    return factor if left - evidence.sigma**2 < ONE_FACTOR * energy else 0.0
+
+
+def _factor(evidence: Evidence) -> tuple[float, float]:
+    """The relative error of the whole torque that closes most of the gap, and the mean square that it leaves."""
     torque = evidence.scene.torque[evidence.rows]
     factor = float(torque @ evidence.gap) / max(float(torque @ torque), 1e-300)
-    left = float(np.mean(np.square(evidence.gap - factor * torque))) - evidence.sigma**2
-    return factor if left < ONE_FACTOR * energy else 0.0
+    return factor, float(np.mean(np.square(evidence.gap - factor * torque)))

@@ -16,6 +16,7 @@ from scipy.ndimage import binary_dilation, median_filter
 from scipy.signal import savgol_coeffs, savgol_filter
 
 from ..models.motion import directions, noise_level, turning_points
+from .fractional import fractional
 from .masses import resonated
 from .noise import FARTHEST, independent, noise_levels
 from .operators import SAME_STEP, bristle, creeping, lowpass, plays, rms
@@ -271,6 +272,10 @@ class Signals:
     def creeping(self, tau: float, power: float) -> Floats:
         """Stretch of a spring behind a dashpot that yields with a ``power`` of its force, ``tau`` s at the reach, rad."""
         return self.per_run(lambda run: creeping(self.time[run], self.smooth_x[run], tau, power, self.reach))
+
+    def fractional(self, signal: Floats, order: float) -> Floats:
+        """Derivative of ``signal`` (n,) of an ``order`` between 0 and 1."""
+        return self.per_run(lambda run: fractional(self.time[run], signal[run], order))
 
     def resonated(self, signal: Floats, frequency: float, damping: float) -> Floats:
         """``signal`` (n,) through a resonator of ``frequency`` rad/s and a ``damping`` ratio below one."""

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from joints import sliders
 from numpy.typing import NDArray
+from scipy.special import gamma
 
 from hystbench.diagnosis.diagnosis import known_effects
 from hystbench.diagnosis.effects.base import Effect, Form
@@ -92,6 +93,14 @@ def words() -> dict[str, Any]:
 
         return followed(x, step)
 
+    def fractional(u: Floats, p: float) -> Floats:
+        """Caputo's derivative of straight pieces, which from rest is the same."""
+        out = np.zeros(u.size)
+        for k in range(1, u.size):
+            left = (time[k] - time[: k + 1]) ** (1.0 - p)
+            out[k] = np.sum(np.diff(u[: k + 1]) / np.diff(time[: k + 1]) * (left[:-1] - left[1:])) / gamma(2.0 - p)
+        return out
+
     def resonator(u: Floats, w: float, d: float) -> Floats:
         speed, substeps = 0.0, 200
 
@@ -112,7 +121,7 @@ def words() -> dict[str, Any]:
         "x": s.x, "v": s.speed, "a": s.acceleration, "t": time, "y": y, "y_spring": spring, "y_memory": memory,
         "y_strength": strength, "travel": np.cumsum(np.abs(dx)), "work": np.cumsum(np.abs(y * dx)),
         "losses": np.maximum.accumulate(np.maximum(np.cumsum(memory * dx), 0.0)), "reversals": s.reversals,
-        "dahl": dahl, "slip": slip, "play": play, "lowpass": lowpass, "creep": creep, "resonator": resonator,
+        "dahl": dahl, "slip": slip, "play": play, "lowpass": lowpass, "creep": creep, "fractional": fractional, "resonator": resonator,
         "plays": lambda x, h1, h2: np.mean([play(x, h) for h in np.linspace(h1, h2, 7)], axis=0),
         "heat": lambda u, T: lowpass(np.abs(u), T, 0.0), "late": lambda u, T: np.interp(time - T, time, u),
         "rise": lambda c: c - c[0], **{name: getattr(np, name) for name in NUMPYS},

@@ -10,6 +10,7 @@ from joints import clearance, sliders, through_a_clearance
 from motions import swelling
 from numpy.typing import NDArray
 from scipy.optimize import brentq
+from scipy.signal import lfilter
 
 from hystbench.diagnosis import registry
 from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
@@ -188,6 +189,86 @@ def test_contacts_that_the_load_presses_together_give_way_at_a_level_and_not_at_
     found = diagnosed(x, joint(x) + friction)
     assert found.verdict == ["load_dependent_friction"]
     assert found.closed_in_all > 0.98
+
+
+def springpot(time: Floats, x: Floats, order: float) -> Floats:
+    """Maxwell branches two to an octave whose stiffness falls with their time constant, by its power ``-order``."""
+    step, out = time[1] - time[0], np.zeros_like(x)
+    for tau in np.geomspace(1e-3, 1e4, 48):
+        kept = np.exp(-step / tau)
+        out += tau**-order * lfilter([tau / step * (1.0 - kept)], [1.0, -kept], np.diff(x, prepend=x[0]))
+    return out / np.std(out)
+
+
+def heated(time: Floats, power: Floats, tau: float) -> Floats:
+    """Temperature, over its largest, of what is heated by ``power`` from cold and cools in ``tau`` s."""
+    step = time[1] - time[0]
+    warmth = lfilter([step / tau], [1.0, step / tau - 1.0], power)
+    return np.asarray(warmth / warmth.max())
+
+
+def pressed(x: Floats, most: Floats) -> Floats:
+    """A spring over ``x`` whose slider gives way at ``most``."""
+    force = np.zeros_like(x)
+    for i in range(1, x.size):
+        force[i] = np.clip(force[i - 1] + 5.0 * (x[i] - x[i - 1]), -most[i], most[i])
+    return force
+
+
+def with_law(name: str) -> tuple[str, Floats]:
+    """The effect whose law ``name`` is, and what it makes of the joint."""
+    time, x = swelling()
+    speed = np.gradient(x, time)
+    acceleration, spring = np.gradient(speed, time), 4.0 * x + 0.6 * x**3
+    worse = np.where(spring * speed > 0.0, 1.0, 0.4)
+    if name == "power law, unequal":
+        return "viscous_friction", joint(x) + np.where(speed > 0.0, 0.25, 0.08) * np.sign(speed) * np.abs(speed) ** 0.7
+    if name == "fractional":
+        return "stress_relaxation", joint(x) + 0.35 * springpot(time, x, 0.3)
+    if name == "stiffness, viscous heating":
+        return "thermal_drift", joint(x) * (1.0 - 0.15 * heated(time, speed**2, 8.0))
+    if name == "by elastic torque, driving and driven, presliding":
+        way = bristle(x, 0.01)
+        return "load_dependent_friction", joint(x) + 0.12 * np.abs(spring) * np.where(
+            spring * way > 0.0, 1.0, 0.4
+        ) * way
+    if name == "by elastic torque, driving and driven, pressed slider":
+        return "load_dependent_friction", joint(x) + pressed(x, 0.1 * np.abs(spring) * worse + 1e-9)
+    # Lagrange's equation of an inertia that changes as a cosine.
+    inertia, slope = 1.0 + 0.5 * np.cos(1.5 * x), -0.75 * np.sin(1.5 * x)
+    return "inertia", joint(x) + 0.03 * (inertia * acceleration + 0.5 * slope * speed**2)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        "power law, unequal",
+        "fractional",
+        "stiffness, viscous heating",
+        "by elastic torque, driving and driven, presliding",
+        "by elastic torque, driving and driven, pressed slider",
+        "of a symmetric mechanism",
+    ],
+)
+def test_an_effect_is_told_with_the_law_that_it_follows(law: str) -> None:
+    _, x = swelling()
+    effect, torque = with_law(law)
+    found = diagnosed(x, torque)
+    assert found.verdict == [effect]
+    (report,) = (e for e in found.effects if e.name == effect)
+    assert report.law == law
+    assert report.closed > 0.99
+
+
+def test_a_filter_on_the_deflection_is_a_delay_and_its_time_is_told() -> None:
+    time, x = swelling()
+    fine = np.linspace(time[0], time[-1], 50 * (x.size - 1) + 1)
+    share = 1.0 - np.exp(-(fine[1] - fine[0]) / 0.03)
+    seen = lfilter([share], [1.0, share - 1.0], np.interp(fine, time, x))[::50]
+    found = diagnosed(seen, joint(x))
+    assert found.verdict == ["sensor_delay"]
+    (report,) = (e for e in found.effects if e.name == "sensor_delay")
+    assert report.parameters["deflection_lag"] == pytest.approx(0.03, rel=0.05)
 
 
 def test_friction_with_a_bristle_of_its_own_dynamics_is_stribeck() -> None:

@@ -18,6 +18,7 @@ from ..operators import rms
 from ..signals import Signals
 
 __all__ = [
+    "BOTH",
     "CLOCKS",
     "ELAPSED",
     "HIGH",
@@ -56,7 +57,7 @@ CLOCKS: Mapping[str, str] = {ELAPSED: "time", TRAVEL: "travel"}
 """What only grows in a recording, as :class:`~hystbench.diagnosis.signals.Signals` calls it, in words."""
 AT_BORDER = 0.04
 """Part of the way between a shape's limits from where it counts as having run to one."""
-LOW, HIGH, NOT = (True, False), (False, True), (False, False)
+LOW, HIGH, BOTH, NOT = (True, False), (False, True), (True, True), (False, False)
 """Where a shape's limits border on another effect."""
 
 

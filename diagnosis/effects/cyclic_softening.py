@@ -38,8 +38,8 @@ def _logarithm(used: Callable[[Scene], Floats]) -> Worn:
     return lambda scene, shape: np.log1p(used(scene) / shape[0])
 
 
-def _power(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return np.asarray(scene.signals.travel ** shape[0])
+def _power(used: Callable[[Scene], Floats]) -> Worn:
+    return lambda scene, shape: np.asarray(used(scene) ** shape[0])
 
 
 def _work(scene: Scene) -> Floats:
@@ -74,16 +74,22 @@ class CyclicSoftening(Effect):
     summary: ClassVar[str] = "torque that falls with accumulated travel (Mullins effect, wear, damage)"
     equation: ClassVar[str] = (
         "y −= a w y_sim (or a part of it),  w = 1 − exp(−travel/L), travel/(L + travel), log(1 + travel/L), travel, "
-        "travel^p, 1 − exp(−∫|y dx|/W), the same of the losses, or 1 − exp(−reversals/N), log(1 + reversals/N)"
+        "travel^p, reversals^p, 1 − exp(−∫|y dx|/W), the same of the losses, or 1 − exp(−reversals/N), log(1 + reversals/N)"
     )
     coordinate: ClassVar[str] = "travel"
     clock: ClassVar[str] = TRAVEL
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("softening", "1 (1/rad^p for a power)", 0.0, np.inf, "relative loss in the limit, or per travel"),
+        Parameter(
+            "softening",
+            "1 (1/rad^p for a power of the travel)",
+            0.0,
+            np.inf,
+            "relative loss in the limit, or per travel",
+        ),
         Parameter(
             "travel_constant", "rad", 0.0, np.inf, "travel after which 63 % (hyperbolic: half) of the loss has come"
         ),
-        Parameter("power", "1", 0.3, 3.0, "p of the travel, above one for damage that grows"),
+        Parameter("power", "1", 0.3, 3.0, "p of the travel or of the reversals, above one for damage that grows"),
         Parameter("work_constant", "J", 0.0, np.inf, "W, of the work ∫|y dx|"),
         Parameter("loss_constant", "J", 0.0, np.inf, "W', of the losses, the work ∮y dx of the part with memory"),
         Parameter("reversals_constant", "1", 0.0, np.inf, "N, half cycles after which 63 % of the loss has come"),
@@ -120,7 +126,7 @@ class CyclicSoftening(Effect):
             *law("exponential", "(1 - exp(-travel / travel_constant))", _exponential(_travel), "travel_constant", lengths, limits),
             *law("hyperbolic", "travel / (travel_constant + travel)", _hyperbolic, "travel_constant", lengths, limits),
             *law("logarithm", "log(1 + travel / travel_constant)", _logarithm(_travel), "travel_constant", lengths[1::2], limits),
-            *law("power of travel", "travel**power", _power, "power", [(0.5,), (0.75,), (1.8,)], (0.3, 3.0), np.inf),
+            *law("power of travel", "travel**power", _power(_travel), "power", [(0.5,), (0.75,), (1.8,)], (0.3, 3.0), np.inf),
             *law("by work", "(1 - exp(-work / work_constant))", _exponential(_work), "work_constant",
                  [(share * work,) for share in (0.1, 0.4, 1.5)], (0.03 * work, 3.0 * work)),
         ]  # fmt: skip
@@ -135,4 +141,13 @@ class CyclicSoftening(Effect):
                 ("logarithm of reversals", "log(1 + reversals / reversals_constant)", _logarithm(_reversals)),
             ):
                 made += law(name, equation, worn, "reversals_constant", numbers, ends)
+            made += law(
+                "power of reversals",
+                "reversals**power",
+                _power(_reversals),
+                "power",
+                [(0.5,), (0.8,)],
+                (0.3, 3.0),
+                np.inf,
+            )
         return made

@@ -41,6 +41,13 @@ def _of_mechanism(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return _by_position(scene, shape) + np.column_stack([turned, -turned])
 
 
+def _of_symmetric_mechanism(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    s = scene.signals
+    ends = np.square(s.smooth_x / stroke(scene))
+    turned = s.smooth_x * np.square(s.speed / stroke(scene))
+    return np.column_stack([ends * s.acceleration + turned, (1.0 - ends) * s.acceleration - turned])
+
+
 def _behind_shaft(scene: Scene, shape: tuple[float, ...]) -> Floats:
     # Well below its resonance a shaft's twist delays the mass.
     return scene.signals.delayed(scene.signals.acceleration, shape[0])[:, None]
@@ -63,13 +70,15 @@ class Inertia(Effect):
     title: ClassVar[str] = "inertia"
     summary: ClassVar[str] = "torque in proportion to acceleration (unmodelled moving mass, reflected rotor)"
     equation: ClassVar[str] = (
-        "y += J d²x/dt², at t or at t − τ, J constant or linear in x (with or without J' (dx/dt)² / 2), or y += z with d²z/dt² + 2ζω dz/dt + ω² z = ω² J d²x/dt²"
+        "y += J d²x/dt², at t or at t − τ, J constant, linear in x (with or without J' (dx/dt)² / 2) or quadratic (with it), or y += z with d²z/dt² + 2ζω dz/dt + ω² z = ω² J d²x/dt²"
     )
     coordinate: ClassVar[str] = "acceleration"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("inertia", "kg·m²", -np.inf, np.inf, "moment of inertia; negative where the simulator has too much"),
         Parameter("inertia_upper", "kg·m²", 0.0, np.inf, "J at the largest deflection, of a mechanism that changes it"),
         Parameter("inertia_lower", "kg·m²", 0.0, np.inf, "the same at as much on the other side"),
+        Parameter("inertia_ends", "kg·m²", 0.0, np.inf, "J at the largest deflection either way"),
+        Parameter("inertia_middle", "kg·m²", 0.0, np.inf, "the same at none"),
         Parameter("shaft_lag", "s", 0.0, np.inf, "time by which it follows behind a compliant shaft"),
         Parameter("natural_frequency", "rad/s", 0.0, np.inf, "at which it swings on the transmission's compliance"),
         Parameter("damping_ratio", "1", 0.0, 1.0, "of that swinging"),
@@ -86,9 +95,10 @@ class Inertia(Effect):
         # Within the motion's band it would be a resonance, which is another matter; faster than sampled, it is rigid.
         swings = (2.0 * acceleration / max(speed, 1e-300), 0.7 / step)
         free = (0.0,), (np.inf,)
+        size = f"{stroke(scene):.8g}"
         ends = "inertia_upper", "inertia_lower"
         changing = f"{between_ends(scene, *ends)} * a"
-        turning = f"(inertia_upper - inertia_lower) / {stroke(scene):.8g} / 4 * v**2"
+        turning = f"(inertia_upper - inertia_lower) / {size} / 4 * v**2"
         both = (0.0,) * 2, (np.inf,) * 2
         rigid = Form("rigid", ("inertia",), _columns, *free, equation="y += inertia * a")
         return [
@@ -96,6 +106,9 @@ class Inertia(Effect):
             overdone(rigid),
             Form("by position", ends, _by_position, *both, equation=f"y += {changing}"),
             Form("of a mechanism", ends, _of_mechanism, *both, equation=f"y += {changing} + {turning}"),
+            Form("of a symmetric mechanism", ("inertia_ends", "inertia_middle"), _of_symmetric_mechanism, *both,
+                 equation=f"y += (inertia_middle + (inertia_ends - inertia_middle) * (x / {size})**2) * a "
+                 f"+ (inertia_ends - inertia_middle) * x * (v / {size})**2"),
             Form("behind a shaft", ("inertia",), _behind_shaft, *free, ("shaft_lag",), (), [(0.02 * step, longest)], ("rigid",),
                  lambda shape, coefficients: (min(step, 0.5 * longest),), equation="y += inertia * late(a, shaft_lag)"),
             Form("behind a compliant transmission", ("inertia",), _on_spring, *free, ("natural_frequency", "damping_ratio"),

@@ -46,12 +46,13 @@ def _measured(channel: str) -> Callable[[Scene], Floats]:
     return lambda scene: scene.signals.channels[channel]
 
 
-def _efficiency(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
+def _efficiency(law: DirectionLaw, load: Callable[[Scene], Floats]) -> Callable[[Scene, tuple[float, ...]], Floats]:
     """Losses of a gear that differ by whether it drives or is driven back."""
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        lost = np.abs(scene.torque) * law.signal(scene.signals, shape[0])
-        driving = lost * scene.torque > 0.0
+        carried = load(scene)
+        lost = np.abs(carried) * law.signal(scene.signals, shape[0])
+        driving = lost * carried > 0.0
         return np.column_stack([lost * driving, lost * ~driving])
 
     return columns
@@ -78,6 +79,19 @@ def _pressed(load: Callable[[Scene], Floats], sliding: Callable[[Floats, Floats,
     return columns
 
 
+def _pressed_unequally(load: Callable[[Scene], Floats], sliding: Callable[[Floats, Floats, float], Floats]) -> Columns:
+    """The same with another level where the joint is driven back."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        signals, carried = scene.signals, load(scene)
+        most = max(float(np.max(np.abs(carried))), 1e-300)
+        level = np.abs(carried) / most * np.where(carried * signals.speed > 0.0, 1.0, shape[1])
+        level = np.maximum(level, BARELY)
+        return most * signals.per_run(lambda run: sliding(signals.smooth_x[run], level[run], shape[0]))[:, None]
+
+    return columns
+
+
 def _inside(scene: Scene, shape: tuple[float, ...]) -> Floats:
     """The elements inside the joint slide later the more it is loaded."""
     size = max(float(np.max(np.abs(scene.spring))), 1e-300)
@@ -92,7 +106,7 @@ class LoadDependentFriction(Effect):
     summary: ClassVar[str] = "friction in proportion to the transmitted load (gear teeth, pulleys, pressed seals)"
     equation: ClassVar[str] = (
         "y += μ |y_sim| s   (|load channel|, |y_sim|^p or the elastic part in place of |y_sim|; μ' where the joint is driven "
-        "back; contacts of constant stiffness that give way at μ |y_sim|; or friction inside the joint that slides later under load)"
+        "back; contacts of constant stiffness that give way at μ |y_sim|, or at μ' |y_sim|; or friction inside the joint that slides later under load)"
     )
     coordinate: ClassVar[str] = "load"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -104,7 +118,8 @@ class LoadDependentFriction(Effect):
             "friction over load; negative where the simulator has too much",
         ),
         Parameter("friction_coefficient_back", "1", 0.0, np.inf, "μ', where the joint is driven back"),
-        Parameter("power", "1", 0.4, 1.0, "p of the load"),
+        Parameter("driven_ratio", "1", 0.1, 10.0, "μ' / μ"),
+        Parameter("power", "1", 0.4, 1.5, "p of the load"),
         Parameter("strength_gain", "1", 0.0, np.inf, "relative gain of the friction's strength at the largest load"),
         *PRESLIDING,
     )
@@ -124,21 +139,25 @@ class LoadDependentFriction(Effect):
             for law in laws
         ]  # fmt: skip
         less = overdone_friction(made)
+        carried = {"torque": loads["torque"], "elastic torque": PARTS["the spring"]}
         for law in laws:
             simple = (f"by torque, {law.name}",)
             made += [
-                Form(f"by torque, driving and driven, {law.name}", ("friction_coefficient", "friction_coefficient_back"),
-                     _efficiency(law), (0.0,) * 2, (np.inf,) * 2, (law.parameter,), (), [law.limits], simple,
-                     equation="y += where(y * s > 0, friction_coefficient, friction_coefficient_back) * abs(y) * s,  "
-                     f"s = {law.equation}"),
                 Form(f"by a power of torque, {law.name}", ("friction_coefficient",), _degressive(law), (0.0,), (np.inf,),
-                     (law.parameter, "power"), (), [law.limits, (0.4, 1.0)], simple, lambda shape, _: (*shape, 0.8), borders=[NOT, LOW],
+                     (law.parameter, "power"), (), [law.limits, (0.4, 1.5)], simple, lambda shape, _: (*shape, 0.8), borders=[NOT, LOW],
                      equation=f"y += friction_coefficient * abs(y)**power * {law.equation}"),
                 Form(f"by elastic torque, {law.name}", ("friction_coefficient",), _columns(law, lambda scene: scene.spring), (0.0,), (np.inf,),
                      (law.parameter,), (), [law.limits], simple,
                      equation=f"y += friction_coefficient * abs(y_spring) * {law.equation}"),
+                *(
+                    Form(f"by {of}, driving and driven, {law.name}", ("friction_coefficient", "friction_coefficient_back"),
+                         _efficiency(law, load.of), (0.0,) * 2, (np.inf,) * 2, (law.parameter,), (), [law.limits], (f"by {of}, {law.name}",),
+                         equation=f"y += where({load.symbol} * s > 0, friction_coefficient, friction_coefficient_back) * "
+                         f"abs({load.symbol}) * s,  s = {law.equation}")
+                    for of, load in carried.items()
+                ),
             ]  # fmt: skip
-        for of, load in {**loads, "elastic torque": PARTS["the spring"]}.items():
+        for of, load in {**loads, **carried}.items():
             pressing = f"abs({load.symbol})"
             for law in (law for law in laws if law.name in CONTACTS):
                 contact, word, sliding = CONTACTS[law.name]
@@ -147,6 +166,18 @@ class LoadDependentFriction(Effect):
                     Form(f"by {of}, {contact}", ("friction_coefficient",), _pressed(load.of, sliding), (0.0,), (np.inf,),
                          (law.parameter,), (), [law.limits], (f"by {of}, {law.name}",),
                          equation=f"y += friction_coefficient * max({pressing}) * {told}")
+                )  # fmt: skip
+        for of, load in carried.items():
+            pressing = f"abs({load.symbol})"
+            for law in (law for law in laws if law.name in CONTACTS):
+                contact, word, sliding = CONTACTS[law.name]
+                level = f"{pressing} / max({pressing}) * where({load.symbol} * v > 0, 1, driven_ratio)"
+                made.append(
+                    Form(f"by {of}, driving and driven, {contact}", ("friction_coefficient",), _pressed_unequally(load.of, sliding),
+                         (0.0,), (np.inf,), (law.parameter, "driven_ratio"), (), [law.limits, (0.1, 10.0)],
+                         (f"by {of}, {contact}", *(f"by {of}, driving and driven, {contact}" for contact in CONTACTS)),
+                         lambda shape, found: (shape[0], float(found[1] / found[0]) if found.size > 1 and found[0] > 0.0 else 0.7),
+                         equation=f"y += friction_coefficient * max({pressing}) * {word}(x, {law.parameter}, {level})")
                 )  # fmt: skip
         inside = Form("inside the joint", ("strength_gain",), _inside, (0.0,), (np.inf,),
                       equation="y += strength_gain * abs(y_spring) / max(abs(y_spring)) * y_strength")  # fmt: skip

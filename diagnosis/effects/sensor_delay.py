@@ -30,18 +30,25 @@ def _late_and_filtered(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return (signals.lowpass(signals.delayed(scene.torque, shape[0]), shape[1]) - scene.torque)[:, None]
 
 
+def _filtered_deflection(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    """The joint is where the filter has yet to get to."""
+    signals = scene.signals
+    return (scene.torque_at(signals.x + shape[0] * signals.speed) - scene.torque)[:, None]
+
+
 class SensorDelay(Effect):
     """Torque is recorded later than deflection (positive) or earlier (negative: the encoder is late)."""
 
     id: ClassVar[str] = "sensor_delay"
     title: ClassVar[str] = "sensor delay"
     summary: ClassVar[str] = "torque and deflection recorded at different times (bus, filter, sampling)"
-    equation: ClassVar[str] = "y(t) = y_sim(t − τ), τ dy/dt = y_sim − y, once or twice, or both"
+    equation: ClassVar[str] = "y(t) = y_sim(t − τ), τ dy/dt = y_sim − y, once or twice, or both; or x → x + τ dx/dt"
     coordinate: ClassVar[str] = "speed"
     acts_on: ClassVar[str] = SENSOR
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("delay", "s", -1.0, 1.0, "positive: torque late; negative: deflection late"),
         Parameter("lag", "s", 0.0, 1.0, "time constant of a first-order filter on the torque"),
+        Parameter("deflection_lag", "s", 0.0, 1.0, "time constant of one on the deflection"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("viscous_friction", "stress_relaxation", "backlash")
 
@@ -65,4 +72,6 @@ class SensorDelay(Effect):
             Form("late and filtered", ("_unit",), _late_and_filtered, (1.0,), (1.0,), ("delay", "lag"), (),
                  [(0.01 * step, high), (0.01 * step, high)], ("late", "filter", "second-order filter"),
                  lambda shape, _: (0.5 * shape[0], 0.5 * shape[0]), equation="y = lowpass(late(y, delay), lag)"),
+            Form("deflection behind a filter", ("_unit",), _filtered_deflection, (1.0,), (1.0,), ("deflection_lag",), (),
+                 [(0.02 * step, high)], ("early",), lambda shape, _: (-shape[0],), equation="x = x + deflection_lag * v"),
         ]  # fmt: skip

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import HIGH, LOW, NOT, PARTS, Columns, Effect, Floats, Form, Parameter, Part, Scene, geometric
+from .base import BOTH, HIGH, LOW, NOT, PARTS, Columns, Effect, Floats, Form, Parameter, Part, Scene, geometric
 
 __all__ = ["StressRelaxation"]
 
@@ -38,6 +38,11 @@ def _spectrum(branches: Columns) -> Columns:
 def _creeping(scene: Scene, shape: tuple[float, ...]) -> Floats:
     """A branch whose dashpot yields the more the more it is loaded."""
     return scene.signals.creeping(*shape)[:, None]
+
+
+def _springpot(part: Callable[[Scene], Floats]) -> Columns:
+    """A spectrum without end: relaxation by a power of time."""
+    return lambda scene, shape: scene.signals.fractional(part(scene), shape[0])[:, None]
 
 
 def _crept(scene: Scene, time_constant: float) -> Floats:
@@ -77,7 +82,7 @@ class StressRelaxation(Effect):
     title: ClassVar[str] = "stress relaxation"
     summary: ClassVar[str] = "torque that decays during a hold and rises with rate (viscoelastic Maxwell branch)"
     equation: ClassVar[str] = (
-        "y += Σ k_i (x − L_i),  τ_i dL_i/dt = x − L_i   (or with y_sim, or its elastic part, in place of k x; or y −= Σ s_i L_i of either); "
+        "y += Σ k_i (x − L_i),  τ_i dL_i/dt = x − L_i   (or with y_sim, or its elastic part, in place of k x; or y −= Σ s_i L_i of either); or y += k dᵖx/dtᵖ with 0 < p < 1; "
         "or y += k f,  df/dt = dx/dt − (f / τ) |f / X|^(p − 1) with the stroke X; or x → x − c,  τ dc/dt = y/K − c"
     )
     coordinate: ClassVar[str] = "time"
@@ -92,6 +97,14 @@ class StressRelaxation(Effect):
         Parameter("share_3", "1", 0.0, np.inf, "of its third branch"),
         Parameter("time_constant", "s", 0.0, np.inf, "of the (first) branch"),
         Parameter("compliance", "rad/(N·m)", 0.0, np.inf, "1/K, of what creeps in series with the joint"),
+        Parameter(
+            "springpot",
+            "N·m·s^p/rad or s^p",
+            0.0,
+            np.inf,
+            "of a fractional element on the deflection, or on the torque",
+        ),
+        Parameter("order", "1", 0.05, 0.8, "p of its derivative: between a spring's, 0, and a damper's, 1"),
         Parameter("power", "1", 1.2, 4.0, "p, of the load with which its dashpot yields, in τ at the stroke's end"),
         Parameter("time_constant_2", "s", 0.0, np.inf, "of the second branch"),
     )
@@ -136,6 +149,12 @@ class StressRelaxation(Effect):
                 [limits], (simpler,), lambda shape, _: (max(0.25 * shape[0], low),), equation=equation,
             )  # fmt: skip
 
+        def springpot(name: str, part: Part, spectrum: str) -> Form:
+            return Form(
+                name, ("springpot",), _springpot(part.of), (0.0,), (np.inf,), ("order",), (), [(0.05, 0.8)], (spectrum,),
+                lambda shape, _: (0.3,), borders=[BOTH], equation=f"y += springpot * fractional({part.symbol}, order)",
+            )  # fmt: skip
+
         in_series = "x = x - compliance * lowpass(y, time_constant)"
         # As soft as that the joint itself would hardly move.
         soft = 0.5 * s.reach / max(float(np.max(np.abs(s.y_real))), 1e-300)
@@ -169,4 +188,6 @@ class StressRelaxation(Effect):
             branches("two branches of the spring", SPRING, False, "of the torque"),
             spectrum("spectrum of the torque", TORQUE, False, "of the torque"),
             spectrum("spectrum of the spring", SPRING, False, "of the torque"),
+            springpot("fractional", DEFLECTION, "one branch"),
+            springpot("fractional, of the torque", TORQUE, "of the torque"),
         ]  # fmt: skip

@@ -29,6 +29,11 @@ def _self_heating(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return _heated(scene, np.abs(scene.torque * scene.signals.speed), shape[0])
 
 
+def _viscous_heating(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    """By what a lubricant or an eddy current turns into heat."""
+    return _heated(scene, np.square(scene.signals.speed), shape[0])
+
+
 def _friction_heating(scene: Scene, shape: tuple[float, ...]) -> Floats:
     """By what does not come back: the losses of the part with memory."""
     return _heated(scene, np.abs(scene.friction * scene.signals.speed), shape[0])
@@ -61,8 +66,8 @@ def _zero(scene: Scene) -> Floats:
 
 
 EXPONENTIAL = "(1 - exp(-t / time_constant))"
-HEATED, RUBBED = "heat(y * v, time_constant)", "heat(y_memory * v, time_constant)"
-"""Warming in equations: in time, by what the drive puts in, by losses."""
+HEATED, RUBBED, CHURNED = "heat(y * v, time_constant)", "heat(y_memory * v, time_constant)", "heat(v**2, time_constant)"
+"""Warming in equations: in time, by what the drive puts in, by losses, by the square of the speed."""
 
 
 def _slow_wave(name: str) -> str:
@@ -101,7 +106,7 @@ class ThermalDrift(Effect):
     title: ClassVar[str] = "thermal drift"
     summary: ClassVar[str] = "zero or stiffness that drifts with time or temperature while the joint warms up"
     equation: ClassVar[str] = (
-        "y += a w, a w y_sim (or a part of it) or both, a w + a2 w2, or w times a sum of its parts,  w = 1 − exp(−t/τ), t, lagged |y v| or |f v| of the part f with memory, sin(2πt/P) with "
+        "y += a w, a w y_sim (or a part of it) or both, a w + a2 w2, or w times a sum of its parts,  w = 1 − exp(−t/τ), t, lagged |y v|, v² or |f v| of the part f with memory, sin(2πt/P) with "
         "b (cos(2πt/P) − 1), or temperature rise"
     )
     coordinate: ClassVar[str] = "time"
@@ -109,7 +114,7 @@ class ThermalDrift(Effect):
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("zero_drift", "N·m, N·m/s, N·m/W or N·m/K", -np.inf, np.inf, "drift of the zero"),
         Parameter("zero_drift_idle", "N·m", -np.inf, np.inf, "part of it by what heats all the time"),
-        Parameter("stiffness_drift", "1, 1/s or 1/K", -np.inf, np.inf, "relative drift of the torque"),
+        Parameter("stiffness_drift", "1, 1/s, 1/W, s²/rad² or 1/K", -np.inf, np.inf, "relative drift of the torque"),
         Parameter("spring_drift", "1 or 1/W", -np.inf, np.inf, "relative drift of the elastic torque"),
         Parameter("friction_drift", "1 or 1/W", -np.inf, np.inf, "relative drift of what has memory"),
         Parameter("zero_drift_cos", "N·m", -np.inf, np.inf, "b, cosine part of a slow wave of the zero"),
@@ -140,6 +145,8 @@ class ThermalDrift(Effect):
                        times(_warming, _torque), *warming)  # fmt: skip
         rubbed = _form("stiffness, friction heating", f"stiffness_drift * {RUBBED} * y", stiffness,
                        times(_friction_heating, _torque), *heating)  # fmt: skip
+        churned = _form("stiffness, viscous heating", f"stiffness_drift * {CHURNED} * y", stiffness,
+                        times(_viscous_heating, _torque), *heating)  # fmt: skip
         waved = _form("stiffness, slow wave", f"({_slow_wave('stiffness_drift')}) * y", (*stiffness, "stiffness_drift_cos"),
                       times(_wave, _torque), *waves)  # fmt: skip
         made = [
@@ -162,6 +169,8 @@ class ThermalDrift(Effect):
             *inside(heated, _self_heating),
             rubbed,
             *inside(rubbed, _friction_heating),
+            churned,
+            *inside(churned, _viscous_heating),
             *inside(warmed, _warming),
             *inside(waved, _wave),
         ]  # fmt: skip

@@ -29,8 +29,8 @@ def _cubic(scene: Scene, shape: tuple[float, ...]) -> Floats:
 
 
 def _unequal(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    v = scene.signals.speed
-    return np.column_stack([np.maximum(v, 0.0), np.minimum(v, 0.0)])
+    opposing, ahead = _columns(scene, shape), scene.signals.speed[:, None] > 0.0
+    return np.hstack([opposing * ahead, opposing * ~ahead])
 
 
 def _by_position(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -52,7 +52,7 @@ class ViscousFriction(Effect):
     title: ClassVar[str] = "viscous friction"
     summary: ClassVar[str] = "torque that opposes motion and grows with speed (grease, seals, damping)"
     equation: ClassVar[str] = (
-        "y += c |v|^p sgn(v), c v + c2 |v| v, c v + c3 v³, c v with another c for each direction or linear in x, c asinh(v/w) (Eyring), or c arctan(v/w)"
+        "y += c |v|^p sgn(v), c v + c2 |v| v, c v + c3 v³, either of the first with another c for each direction, c v linear in x, c asinh(v/w) (Eyring), or c arctan(v/w)"
     )
     coordinate: ClassVar[str] = "speed"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -61,7 +61,7 @@ class ViscousFriction(Effect):
         ),
         Parameter("damping_2", "N·m·s²/rad²", 0.0, np.inf, "part that grows as the square (churning)"),
         Parameter("damping_3", "N·m·s³/rad³", 0.0, np.inf, "part that grows as the cube"),
-        Parameter("damping_back", "N·m·s/rad", 0.0, np.inf, "c of motion in the negative direction"),
+        Parameter("damping_back", "N·m·(s/rad)^p", 0.0, np.inf, "c of motion in the negative direction"),
         Parameter("damping_upper", "N·m·s/rad", 0.0, np.inf, "c at the largest deflection"),
         Parameter("damping_lower", "N·m·s/rad", 0.0, np.inf, "the same at as much on the other side"),
         Parameter("limit", "N·m", 0.0, np.inf, "c of a grease that thins or saturates"),
@@ -91,6 +91,9 @@ class ViscousFriction(Effect):
             Form("linear and cubic", ("damping", "damping_3"), _cubic, *both, equation="y += damping * v + damping_3 * v**3"),
             Form("power law", ("damping",), _columns, (0.0,), (np.inf,), ("power",), [(0.6,), (0.75,), (1.3,), (1.7,)],
                  [(0.5, 2.0)], equation="y += damping * abs(v)**power * sign(v)"),
+            Form("power law, unequal", ("damping", "damping_back"), _unequal, *both, ("power",), (), [(0.5, 2.0)],
+                 ("power law", "linear, unequal"), lambda shape, _: shape or (1.0,),
+                 equation="y += where(v > 0, damping, damping_back) * abs(v)**power * sign(v)"),
             *thinning,
             # A power of the speed the other way round imitates delays and what falls with speed.
             overdone(linear),
