@@ -29,6 +29,7 @@ from hystbench.diagnosis.wording import sentence
 
 Floats = NDArray[np.float64]
 NOISE = 0.015
+GAINS = [{"torque_gain"}, {"torque_gain", "miscalibration"}]
 
 
 def spring(x: Floats, up: float = 1.2, down: float = 0.7, stiffness: float = 4.0, friction: float = 0.3) -> Floats:
@@ -74,6 +75,23 @@ def test_several_small_errors_of_a_simulator_are_no_gain(seed: int) -> None:
     case, found = developed(seed)
     assert case.effects == ()
     assert found.verdict == ["miscalibration"]
+
+
+@pytest.mark.parametrize(("factor", "verdicts"), [(1.0, [{"miscalibration"}]), (0.88, GAINS), (1.12, GAINS)])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_factor_beyond_what_parameters_off_by_a_few_per_cent_make_is_a_gain(
+    factor: float, verdicts: list[set[str]], seed: int
+) -> None:
+    time, x = swelling()
+    rng = np.random.default_rng(seed)
+    errors = 1.0 + rng.choice([-1.0, 1.0], 4) * rng.uniform(0.03, 0.05, 4)
+
+    def joint(off: Floats) -> Floats:
+        soft, stiff = sliders(x, ((0.8, 0.16),)), sliders(x, ((6.0, 0.12), (2.0, 0.15)))
+        return off[0] * 4.0 * x + off[1] * 0.6 * x**3 + off[2] * stiff + off[3] * soft
+
+    found = diagnose(signals_of(time, x, factor * joint(errors), joint(np.ones(4)), seed))
+    assert set(found.verdict) in verdicts
 
 
 def test_an_asymmetric_spring_that_is_off_brings_no_offset() -> None:
