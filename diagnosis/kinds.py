@@ -35,6 +35,7 @@ from .single_elements import (
     lagging,
     lagging_together,
     leaves,
+    levered,
     preload,
     pressed_by_speed,
     ripple,
@@ -172,11 +173,11 @@ def _ripples(power: int) -> Kind:
     return Kind(
         ELASTIC, False,
         lambda extent: np.array(list(itertools.product(
-            extent.reach / np.arange(3.0, 60.0, 0.75), np.pi * np.array([0.9, 1.15, 1.4, 1.65])
+            extent.reach / np.arange(3.0, 110.0, 0.75), np.pi * np.array([0.9, 1.25, 1.6])
         ))),
         _by_row(functools.partial(ripple, power=power)),
         {0: (0.0, np.inf)},
-        limits=lambda extent: np.array([[extent.reach / 80.0, 0.4 * np.pi], [extent.reach / 2.0, 2.6 * np.pi]]),
+        limits=lambda extent: np.array([[extent.reach / 150.0, 0.4 * np.pi], [extent.reach / 2.0, 2.6 * np.pi]]),
         corners=(),
         exact=(0,),
     )  # fmt: skip
@@ -234,6 +235,16 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     # Dampers of clutches and flywheels, whose stages rub once they engage, or once a play is taken up.
     "a few sliders beyond a clearance": _engaging(_by_row(beyond_clearance)),
     "a few sliders behind a play": _engaging(behind_play),
+    # Linkages, cams, tendons: the friction inside has a lever that changes with the place.
+    "a few sliders on a lever": Kind(
+        MEMORY, True,
+        lambda extent: extent.lever * _with(
+            np.geomspace(0.006, 0.3, 5), *(way for way in itertools.product((-0.5, 0.0, 0.5), (-0.4, 0.0, 0.4)) if any(way))
+        ),
+        _by_row(levered),
+        limits=lambda extent: extent.lever * [[0.003, -1.0, -1.0], [1.0, 1.0, 1.0]],
+        signed=(1, 2),
+    ),
     "smooth yielding": Kind(
         MEMORY, True,
         _smooth_sizes,

@@ -110,6 +110,11 @@ class Extent:
         return np.array([self.reach, 1.0, 1.0 / self.reach])
 
     @property
+    def lever(self) -> Floats:
+        """The same of a slider on a lever that changes with the deflection: rad, 1/rad, 1/rad²; shape (3,)."""
+        return np.array([self.reach, 1.0 / self.reach, 1.0 / self.reach**2])
+
+    @property
     def stopped(self) -> Floats:
         """The same of one between stops: and rad, 1, rad/s, 1; shape (11,)."""
         return np.array([*self.body, self.reach, 1.0, 1.0 / self.interval, 1.0])

@@ -30,6 +30,7 @@ __all__ = [
     "lag",
     "lagging",
     "lagging_together",
+    "levered",
     "leaves",
     "preload",
     "pressed_by_speed",
@@ -180,6 +181,13 @@ def behind_play(motion: Motion, sizes: Floats) -> Floats:
     inner, of_inner = _plays(motion, sizes[:, 1])
     outer, of_outer = _plays(motion, sizes.sum(axis=1))
     return np.asarray(inner[:, of_inner] - outer[:, of_outer])
+
+
+def levered(motion: Motion, length: float, slope: float, bend: float) -> Floats:
+    """A stop behind a lever that is 1 + ``slope`` x + ``bend`` x² long at the deflection x: a cam, a linkage, a tendon on a bone."""
+    x = motion.path
+    gone = x * (1.0 + x * (slope / 2.0 + x * bend / 3.0))
+    return (1.0 + x * (slope + x * bend)) * stops(replace(motion, course=gone), np.array([[length]]))[:, 0]
 
 
 def stronger_at_rest(motion: Motion, sizes: Floats) -> Floats:

@@ -342,6 +342,13 @@ def absorber(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 3.0 * (1.0 - e) * x + oil + sliders(x, ((12.0, 0.05 * (1.0 + e)),))
 
 
+def tendon(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """A muscle with friction inside, whose moment arm changes as the bone turns."""
+    shortened = x + 0.3 * (1.0 + e) * x**2 - 0.15 * x**3
+    arm = 1.0 + 0.6 * (1.0 + e) * x - 0.45 * x**2
+    return arm * (3.0 * (1.0 - e) * shortened + sliders(shortened, ((12.0, 0.3 * (1.0 + e)), (6.0, 0.8 * (1.0 - e)))))
+
+
 JOINTS: dict[str, tuple[Joint, float]] = {
     "kinked": (kinked, 0.005),
     "two sliders": (two_sliders, 0.002),
@@ -375,5 +382,6 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "detents": (detents, 0.005),
     "teeth": (teeth, 0.01),
     "absorber": (absorber, 0.005),
+    "tendon": (tendon, 0.001),
 }
 """With the error, as a share of the output, that the emulator may make over a motion that it never saw."""
