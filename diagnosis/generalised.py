@@ -363,11 +363,11 @@ def _as_seen(parameters: Mapping[str, Any], motion: Motion) -> Motion:
 
 
 def spring_of(parameters: Mapping[str, Any], x: Floats) -> Floats:
-    """The elastic part of the built-in emulator's output, without torque at rest, N·m, shape (n,)."""
+    """The elastic part of the built-in emulator's output, N·m, shape (n,): what it has at rest is a preload."""
     elastic = np.asarray(parameters["elastic"])
     curve = np.polynomial.legendre.legval(_place(x, parameters["reach"]), elastic)
     kinks = torque_of(parameters.get("further", {}), Motion(x, x, x, x, [slice(0, x.size)]), ELASTIC)
-    return np.asarray(curve - np.polynomial.legendre.legval(0.0, elastic) + kinks)
+    return np.asarray(curve + kinks)
 
 
 def strength_of(parameters: Mapping[str, Any], motion: Motion, timed: bool = True) -> Floats:

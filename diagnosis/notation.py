@@ -14,7 +14,7 @@ GENERAL = (
 )
 """What is said of every equation."""
 WORDS: Mapping[str, str] = MappingProxyType({
-    "y_spring": "elastic part of the simulator's torque, without its friction",
+    "y_spring": "elastic part of the simulator's torque, its preload with it, without its friction",
     "y_memory": "the rest of the simulator's torque, its friction",
     "y_strength": "how much that would grow if friction had twice the strength and the same stiffness",
     "dahl": "dahl(x, d, h): s with ds/dx = (sign(dx) - s / h) / d and s = 0 at the start; h = 1 where it is left out (Dahl's friction)",

@@ -454,13 +454,12 @@ def _is_clearly_there(evidence: Evidence, features: dict[str, float]) -> bool:
 
 
 def _overstretched(evidence: Evidence, best: Hypothesis, features: dict[str, float]) -> bool:
-    """Whether a miscalibration would have to be so large that it could imitate anything.
+    """Whether a miscalibration beside an effect would have to be so large that it could imitate anything.
 
-    It is believed where the gap is as large as such errors make, and beside an effect without which much is left.
+    It is believed beside an effect without which much is left.
     """
-    if best.terms:
-        return _needs_largest_errors(evidence, best) and features["over_null"] < NEEDED * evidence.effective
-    return _is_too_far_off(evidence, best)
+    needed = features["over_null"] > NEEDED * evidence.effective
+    return bool(best.terms) and _needs_largest_errors(evidence, best) and not needed
 
 
 def _needs_largest_errors(evidence: Evidence, hypothesis: Hypothesis) -> bool:

@@ -183,13 +183,13 @@ def test_loop_that_turns_the_other_way_is_no_damping_though_one_sine_cannot_tell
     assert np.std(found.predict(moved) - found.predict(x) - wanted) < 0.1 * np.std(wanted)
 
 
-def test_kinks_belong_to_the_spring_and_have_no_torque_at_rest() -> None:
+def test_kinks_belong_to_the_spring_and_are_no_preload() -> None:
     emulator = emulate(recorded(kinked), None)
     assert "kinks" in emulator.name
     x = np.array([-0.8, -0.3, 0.0, 0.3, 0.8])
     # Sliders that hardly ever slide may pass for springs and the other way round, but a kink is one of the spring.
     bent = np.diff(spring_of(emulator.split, x))
-    assert spring_of(emulator.split, x)[2] == pytest.approx(0.0, abs=1e-12)
+    assert spring_of(emulator.split, x)[2] == pytest.approx(0.0, abs=0.002 * np.std(kinked(x, x)))
     assert bent[[0, 3]] / 0.5 == pytest.approx(bent[[1, 2]] / 0.3 + 7.0 * 0.28 / 0.5, rel=0.1)
 
 

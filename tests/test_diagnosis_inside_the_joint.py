@@ -201,7 +201,21 @@ def test_strength_is_the_change_with_the_level_at_which_friction_slides() -> Non
     change = (stronger - weaker) / 0.1
     found = strength_of(parameters, motion_of(signals(joint(X))))
     assert np.std(found - change) < 0.2 * np.std(change)
-    assert spring_of(parameters, np.zeros(3)) == pytest.approx(np.zeros(3), abs=1e-12)
+
+
+@pytest.mark.parametrize("preload", [0.0, 1.5])
+def test_what_the_spring_has_at_rest_is_its_preload(preload: float) -> None:
+    parameters = Generalised(signals(joint(X), y_sim=joint(X) + preload)).parameters()
+    assert spring_of(parameters, np.zeros(3)) == pytest.approx(np.full(3, preload), abs=0.02)
+
+
+def test_a_spring_that_relaxes_with_its_preload_needs_no_offset_besides() -> None:
+    relaxed = np.zeros_like(X)
+    for tau in np.geomspace(0.3, 30.0, 8):
+        kept = np.exp(-STEP / tau)
+        relaxed += lfilter([1.0 - kept], [1.0, -kept], spring(X) + 1.5, zi=[1.5 * kept])[0] / 8.0
+    found = diagnose(signals(joint(X) + 1.5 - 0.1 * relaxed, y_sim=joint(X) + 1.5))
+    assert found.verdict == ["stress_relaxation"]
 
 
 @pytest.mark.parametrize("pace", [0.01, 0.05])

@@ -102,7 +102,7 @@ class StressRelaxation(Effect):
             "N·m·s^p/rad or s^p",
             0.0,
             np.inf,
-            "of a fractional element on the deflection, or on the torque",
+            "of a fractional element on the deflection, or on the torque or its elastic part",
         ),
         Parameter("order", "1", 0.05, 0.8, "p of its derivative: between a spring's, 0, and a damper's, 1"),
         Parameter("power", "1", 1.2, 4.0, "p, of the load with which its dashpot yields, in τ at the stroke's end"),
@@ -190,4 +190,5 @@ class StressRelaxation(Effect):
             spectrum("spectrum of the spring", SPRING, False, "of the torque"),
             springpot("fractional", DEFLECTION, "one branch"),
             springpot("fractional, of the torque", TORQUE, "of the torque"),
+            springpot("fractional, of the spring", SPRING, "of the torque"),
         ]  # fmt: skip
