@@ -11,7 +11,7 @@ from .evidence import Evidence, Hypothesis, is_refitted
 from .names import GAIN
 from .priors import prior
 
-__all__ = ["as_one_factor", "factor_of_all"]
+__all__ = ["as_one_factor", "factor_of_all", "is_too_large"]
 
 ONE_FACTOR = 0.005
 """Share of the gap's energy that one factor on the torque may leave to be more than a coincidence of several errors."""
@@ -36,8 +36,6 @@ def as_one_factor(
     if gain is None or evidence.fitted or energy < SMALL**2 * evidence.sigma**2:
         # Noise would decide.
         return best
-    factor_alone, left = _factor(evidence)
-    is_too_large = abs(factor_alone) > TOO_LARGE and left - evidence.sigma**2 < MOST_LEFT * energy
 
     def leaves(factor: Hypothesis) -> float:
         alone = evidence.fit(factor.terms, ((0.0, 0.0),))
@@ -54,10 +52,21 @@ def as_one_factor(
         beside = evidence.fit(factor.terms, usual)
         if beside.score - best.score > FOR_ONE_FACTOR and leaves(beside) < SEVERAL:
             return beside
-        return beside if is_too_large else best
-    if best.names == {GAIN} and is_refitted(best.scale) and leaves(best) > SEVERAL and not is_too_large:
+        return beside if is_too_large(evidence, energy) else best
+    if (
+        best.names == {GAIN}
+        and is_refitted(best.scale)
+        and leaves(best) > SEVERAL
+        and not is_too_large(evidence, energy)
+    ):
         return blank
     return best
+
+
+def is_too_large(evidence: Evidence, energy: float) -> bool:
+    """Whether the gap is a factor on the torque that parameters which are off by a few per cent do not make together."""
+    factor, left = _factor(evidence)
+    return abs(factor) > TOO_LARGE and left - evidence.sigma**2 < MOST_LEFT * energy
 
 
 def factor_of_all(evidence: Evidence, found: Sequence[Hypothesis], energy: float) -> float:
