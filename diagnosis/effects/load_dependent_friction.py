@@ -59,7 +59,7 @@ def _efficiency(law: DirectionLaw, load: Callable[[Scene], Floats]) -> Callable[
 
 
 def _degressive(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
-    """Contacts that flatten: friction grows less than the load."""
+    """Contacts that flatten, whose friction grows less than the load, or seals that are pressed on, whose friction grows more."""
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         return (np.abs(scene.torque) ** shape[1] * law.signal(scene.signals, shape[0]))[:, None]
