@@ -59,7 +59,7 @@ def _efficiency(law: DirectionLaw, load: Callable[[Scene], Floats]) -> Callable[
 
 
 def _degressive(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
-    """Contacts that flatten, whose friction grows less than the load, or seals that are pressed on, whose friction grows more."""
+    """Contacts that flatten: friction grows less than the load."""
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         return (np.abs(scene.torque) ** shape[1] * law.signal(scene.signals, shape[0]))[:, None]
@@ -119,7 +119,7 @@ class LoadDependentFriction(Effect):
         ),
         Parameter("friction_coefficient_back", "1", 0.0, np.inf, "μ', where the joint is driven back"),
         Parameter("driven_ratio", "1", 0.1, 10.0, "μ' / μ"),
-        Parameter("power", "1", 0.4, 1.5, "p of the load"),
+        Parameter("power", "1", 0.4, 1.0, "p of the load"),
         Parameter("strength_gain", "1", 0.0, np.inf, "relative gain of the friction's strength at the largest load"),
         *PRESLIDING,
     )
@@ -144,7 +144,7 @@ class LoadDependentFriction(Effect):
             simple = (f"by torque, {law.name}",)
             made += [
                 Form(f"by a power of torque, {law.name}", ("friction_coefficient",), _degressive(law), (0.0,), (np.inf,),
-                     (law.parameter, "power"), (), [law.limits, (0.4, 1.5)], simple, lambda shape, _: (*shape, 0.8), borders=[NOT, LOW],
+                     (law.parameter, "power"), (), [law.limits, (0.4, 1.0)], simple, lambda shape, _: (*shape, 0.8), borders=[NOT, LOW],
                      equation=f"y += friction_coefficient * abs(y)**power * {law.equation}"),
                 Form(f"by elastic torque, {law.name}", ("friction_coefficient",), _columns(law, lambda scene: scene.spring), (0.0,), (np.inf,),
                      (law.parameter,), (), [law.limits], simple,
