@@ -462,8 +462,8 @@ def _overstretched(evidence: Evidence, best: Hypothesis, features: dict[str, flo
 
     It is believed beside an effect without which much is left.
     """
-    needed = features["over_null"] > NEEDED * evidence.effective
-    return bool(best.terms) and _needs_largest_errors(evidence, best) and not needed
+    is_idle = features["over_null"] < NEEDED * evidence.effective
+    return bool(best.terms) and is_idle and _needs_largest_errors(evidence, best)
 
 
 def _needs_largest_errors(evidence: Evidence, hypothesis: Hypothesis) -> bool:

@@ -68,24 +68,17 @@ def _degressive(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Float
 
 
 def _pressed(load: Callable[[Scene], Floats], sliding: Callable[[Floats, Floats, float], Floats]) -> Columns:
-    """Contacts of constant stiffness that give way later the more they are pressed together."""
+    """Contacts of constant stiffness that give way later the more they are pressed together.
 
-    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        signals, pressing = scene.signals, np.abs(load(scene))
-        most = max(float(np.max(pressing)), 1e-300)
-        level = np.maximum(pressing / most, BARELY)
-        return most * signals.per_run(lambda run: sliding(signals.smooth_x[run], level[run], shape[0]))[:, None]
-
-    return columns
-
-
-def _pressed_unequally(load: Callable[[Scene], Floats], sliding: Callable[[Floats, Floats, float], Floats]) -> Columns:
-    """The same with another level where the joint is driven back."""
+    A second shape is their level where the joint is driven back, over the one where it drives.
+    """
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         signals, carried = scene.signals, load(scene)
         most = max(float(np.max(np.abs(carried))), 1e-300)
-        level = np.abs(carried) / most * np.where(carried * signals.speed > 0.0, 1.0, shape[1])
+        level = np.abs(carried) / most
+        if len(shape) > 1:
+            level *= np.where(carried * signals.speed > 0.0, 1.0, shape[1])
         level = np.maximum(level, BARELY)
         return most * signals.per_run(lambda run: sliding(signals.smooth_x[run], level[run], shape[0]))[:, None]
 
@@ -146,7 +139,7 @@ class LoadDependentFriction(Effect):
                 Form(f"by a power of torque, {law.name}", ("friction_coefficient",), _degressive(law), (0.0,), (np.inf,),
                      (law.parameter, "power"), (), [law.limits, (0.4, 1.0)], simple, lambda shape, _: (*shape, 0.8), borders=[NOT, LOW],
                      equation=f"y += friction_coefficient * abs(y)**power * {law.equation}"),
-                Form(f"by elastic torque, {law.name}", ("friction_coefficient",), _columns(law, lambda scene: scene.spring), (0.0,), (np.inf,),
+                Form(f"by elastic torque, {law.name}", ("friction_coefficient",), _columns(law, carried["elastic torque"].of), (0.0,), (np.inf,),
                      (law.parameter,), (), [law.limits], simple,
                      equation=f"y += friction_coefficient * abs(y_spring) * {law.equation}"),
                 *(
@@ -173,9 +166,9 @@ class LoadDependentFriction(Effect):
                 contact, word, sliding = CONTACTS[law.name]
                 level = f"{pressing} / max({pressing}) * where({load.symbol} * v > 0, 1, driven_ratio)"
                 made.append(
-                    Form(f"by {of}, driving and driven, {contact}", ("friction_coefficient",), _pressed_unequally(load.of, sliding),
+                    Form(f"by {of}, driving and driven, {contact}", ("friction_coefficient",), _pressed(load.of, sliding),
                          (0.0,), (np.inf,), (law.parameter, "driven_ratio"), (), [law.limits, (0.1, 10.0)],
-                         (f"by {of}, {contact}", *(f"by {of}, driving and driven, {contact}" for contact in CONTACTS)),
+                         (f"by {of}, {contact}", *(f"by {of}, driving and driven, {other}" for other in CONTACTS)),
                          lambda shape, found: (shape[0], float(found[1] / found[0]) if found.size > 1 and found[0] > 0.0 else 0.7),
                          equation=f"y += friction_coefficient * max({pressing}) * {word}(x, {law.parameter}, {level})")
                 )  # fmt: skip

@@ -149,9 +149,9 @@ class StressRelaxation(Effect):
                 [limits], (simpler,), lambda shape, _: (max(0.25 * shape[0], low),), equation=equation,
             )  # fmt: skip
 
-        def springpot(name: str, part: Part, spectrum: str) -> Form:
+        def springpot(name: str, part: Part, simpler: str) -> Form:
             return Form(
-                name, ("springpot",), _springpot(part.of), (0.0,), (np.inf,), ("order",), (), [(0.05, 0.8)], (spectrum,),
+                name, ("springpot",), _springpot(part.of), (0.0,), (np.inf,), ("order",), (), [(0.05, 0.8)], (simpler,),
                 lambda shape, _: (0.3,), borders=[BOTH], equation=f"y += springpot * fractional({part.symbol}, order)",
             )  # fmt: skip
 
