@@ -16,21 +16,11 @@ from ..errors import InputError
 from . import threads  # noqa: F401 (before anything that imports NumPy)
 from .console import EXIT_CHECK_FAILED, CommandGroup, execute, message
 from .data_commands import data
+from .diagnosis_commands import blind, diagnose
+from .model_commands import fit, invert, predict
+from .options import column_options, names
 
 __all__ = ["cli", "main"]
-
-PARAMETERS_SHOWN = 14
-UNCERTAINTY_WORK = 20_000_000
-"""Samples times parameters up to which `fit` tells standard errors: a few seconds."""
-
-
-def _names(ctx: click.Context, parameter: click.Parameter, value: str | None) -> list[str] | None:
-    if value is None:
-        return None
-    names = [name.strip() for name in value.split(",") if name.strip()]
-    if not names:
-        raise InputError(f"--{parameter.name} is empty; give ids separated by commas, see `hystbench list`")
-    return names
 
 
 def _part(ctx: click.Context, parameter: click.Parameter, value: str | None) -> tuple[int, int] | None:
@@ -40,21 +30,6 @@ def _part(ctx: click.Context, parameter: click.Parameter, value: str | None) -> 
     if found is None or int(found[1]) > int(found[2]):
         raise InputError(f"--array must be I/N with 1 <= I <= N, such as 3/20; it is {value!r}")
     return int(found[1]), int(found[2])
-
-
-def _column_options(*names: str) -> Any:
-    texts = {
-        "time": "Time column (default time_s, else found by name and unit; if there is none, samples are numbered).",
-        "x": "Input column (default deflection_rad, else found by name and unit).",
-        "y": "Output column (default torque_nm, else found by name and unit).",
-    }
-
-    def decorate(function: Any) -> Any:
-        for name in reversed(names):
-            function = click.option(f"--{name}", metavar="COL", help=texts[name])(function)
-        return function
-
-    return decorate
 
 
 def _with_columns(datasets: list[str] | None, **columns: str | None) -> list[str] | None:
@@ -86,13 +61,13 @@ def cli() -> None:
 @click.option(
     "--models",
     metavar="A,B",
-    callback=_names,
+    callback=names,
     help="Model ids; `all`: every registered one (default: all but the extended ones).",
 )
 @click.option(
     "--datasets",
     metavar="A,B",
-    callback=_names,
+    callback=names,
     help="Dataset ids, or paths of recordings (default: all datasets that are on this machine).",
 )
 @click.option("--out", type=click.Path(path_type=Path), default=Path("hystbench-report"), show_default=True,
@@ -108,7 +83,7 @@ def cli() -> None:
 @click.option(
     "--array", metavar="I/N", callback=_part, help="Only the I-th of N parts, for a batch cluster's array jobs."
 )
-@_column_options("x", "y", "time")
+@column_options("x", "y", "time")
 def run(
     models: list[str] | None,
     datasets: list[str] | None,
@@ -291,155 +266,6 @@ def list_(what: str, as_json: bool) -> None:
 
 
 @cli.command()
-@click.argument("file", type=click.Path(path_type=Path))
-@click.option("--model", "model_id", required=True, metavar="ID", help="Model id, see `hystbench list models`.")
-@click.option("--out", required=True, type=click.Path(path_type=Path), help="Model file to write (JSON).")
-@click.option("--tune", is_flag=True, help="First choose the hyperparameters by blocked cross-validation.")
-@_column_options("x", "y", "time")
-def fit(file: Path, model_id: str, out: Path, tune: bool, x: str | None, y: str | None, time: str | None) -> None:
-    """Identify a model from a recording.
-
-    \b
-    Example:
-      hystbench fit loop.csv --model maxwell-slip --out model.json --x angle --y torque
-    """
-    import numpy as np
-
-    from .. import models
-    from ..datasets.recording_files import read_recording
-    from .arguments import time_argument
-    from .metrics import score
-
-    cls = models.get(model_id)
-    recording = read_recording(file, x=x, y=y, time=time)
-    try:
-        model = _tuned(cls, recording) if tune else cls()
-        model.fit(recording.x, recording.y, **time_argument(model.fit, recording.time))
-    except InputError as error:
-        raise InputError(f"{file}: {error}") from None
-    model.save(out)
-    predicted = model.predict(recording.x, **time_argument(model.predict, recording.time))
-    figures = score(recording.y, np.asarray(predicted))
-    click.echo(
-        f"{out}: {model_id} fitted to {recording.x.size} samples, RMSE {figures['rmse']:.4g}, NRMSE {figures['nrmse']:.4g}"
-    )
-    for condition in getattr(model, "conditions_", []):
-        message(f"{'holds' if condition.holds else 'VIOLATED'}: {condition.name} ({condition.detail})")
-    for note in [*getattr(model, "notes_", []), *_assumed(model, str(recording.conditions.get("untimed", "")))]:
-        message(f"note: {note}")
-    for line in _determined(model, recording):
-        click.echo(line)
-
-
-def _assumed(model: Any, untimed: str) -> list[str]:
-    """What the reader of a file had to assume of its times, for models to which they matter."""
-    return [untimed] if untimed and not getattr(model, "rate_independent", True) else []
-
-
-def _tuned(cls: type[Any], recording: Any) -> Any:
-    """An unfitted model with the hyperparameters of the least held-out error; what was tried is told."""
-    from ..models.selection import choose_hyperparameters
-
-    if not getattr(cls, "search_grid", None):
-        message(f"{cls.id} has no hyperparameters to choose")
-        return cls()
-    candidates = choose_hyperparameters(cls, recording.x, recording.y, time=recording.time)
-    for candidate in candidates:
-        setting = ", ".join(f"{name}={candidate.hyperparameters[name]}" for name in cls.search_grid)
-        message(f"held-out NRMSE {candidate.nrmse:.4g} ± {candidate.spread:.2g}: {setting}")
-    return cls().set_params(**candidates[0].hyperparameters)
-
-
-def _determined(model: Any, recording: Any) -> list[str]:
-    """What the recording tells of each parameter; only for models whose class can say which parameters it chooses."""
-    from ..models.uncertainty import parameter_uncertainty
-
-    if not hasattr(model, "coordinates"):
-        return []
-    labels, values, _ = model.coordinates()
-    if recording.x.size * values.size > UNCERTAINTY_WORK:
-        return [
-            f"{values.size} parameters; standard errors left out, they would take long on {recording.x.size} samples"
-        ]
-    found = parameter_uncertainty(model, recording.x, recording.y, time=recording.time)
-    lines = []
-    if values.size <= PARAMETERS_SHOWN:
-        lines = [
-            f"  {label} = {value:.6g} ± {found.standard_errors[label]:.2g}"
-            for label, value in zip(labels, values.tolist(), strict=True)
-        ]
-    if found.undetermined:
-        shown = ", ".join(found.undetermined[:PARAMETERS_SHOWN]) + (
-            " …" if len(found.undetermined) > PARAMETERS_SHOWN else ""
-        )
-        lines.append(
-            f"this recording does not determine {len(found.undetermined)} of {values.size} parameters: {shown}"
-        )
-    return lines
-
-
-@cli.command()
-@click.argument("model", metavar="MODEL.json", type=click.Path(path_type=Path))
-@click.argument("file", type=click.Path(path_type=Path))
-@click.option("--out", required=True, type=click.Path(path_type=Path), help="File to write (.csv or .parquet).")
-@_column_options("x", "y", "time")
-def predict(model: Path, file: Path, out: Path, x: str | None, y: str | None, time: str | None) -> None:
-    """Predict the output over the input column of FILE.
-
-    \b
-    Example:
-      hystbench predict model.json motion.csv --out torque.csv
-    """
-    from .. import models
-    from ..datasets.recording_files import DEFAULT_Y, read_columns, write_recording
-    from .arguments import time_argument
-
-    fitted = models.load(model)
-    columns = read_columns(file, {"x": x}, time=time)
-    for note in _assumed(fitted, columns.untimed):
-        message(f"note: {note}")
-    predicted = fitted.predict(columns["x"], **time_argument(fitted.predict, columns.time))
-    write_recording(
-        out, {columns.names["time"]: columns.clock, columns.names["x"]: columns["x"], y or DEFAULT_Y: predicted}
-    )
-    click.echo(str(out))
-
-
-@cli.command()
-@click.argument("model", metavar="MODEL.json", type=click.Path(path_type=Path))
-@click.argument("file", type=click.Path(path_type=Path))
-@click.option("--out", required=True, type=click.Path(path_type=Path), help="File to write (.csv or .parquet).")
-@_column_options("x", "y", "time")
-@click.option(
-    "--x0", type=float, default=0.0, show_default=True, help="Input from which the first sample is looked for."
-)
-@click.option("--approximate", is_flag=True, help="Where no input gives the wanted output, take the nearest.")
-def invert(
-    model: Path, file: Path, out: Path, x: str | None, y: str | None, time: str | None, x0: float, approximate: bool
-) -> None:
-    """Find the input that gives the output column of FILE.
-
-    \b
-    Example:
-      hystbench invert model.json reference.csv --out deflection.csv
-    """
-    from .. import models
-    from ..datasets.recording_files import DEFAULT_X, read_columns, write_recording
-    from .arguments import time_argument
-
-    fitted = models.load(model)
-    columns = read_columns(file, {"y": y}, time=time)
-    for note in _assumed(fitted, columns.untimed):
-        message(f"note: {note}")
-    times = time_argument(fitted.invert, columns.time)
-    found = fitted.invert(columns["y"], x0=x0, approximate=approximate, **times)
-    write_recording(
-        out, {columns.names["time"]: columns.clock, x or DEFAULT_X: found, columns.names["y"]: columns["y"]}
-    )
-    click.echo(str(out))
-
-
-@cli.command()
 @click.option("--out", type=click.Path(path_type=Path), default=Path("hystbench-paper"), show_default=True,
               help="Folder for paper.html, the figures and the data.")  # fmt: skip
 def paper(out: Path) -> None:
@@ -454,69 +280,8 @@ def paper(out: Path) -> None:
     click.echo(str(write_paper(out)))
 
 
-@cli.command()
-@click.argument("real", metavar="REAL.csv...", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--sim", required=True, multiple=True, type=click.Path(path_type=Path), metavar="SIM.csv|MODEL.json",
-              help="What the simulator says at the recording's times, one for each recording; or a saved model.")  # fmt: skip
-@click.option(
-    "--out", type=click.Path(path_type=Path), help="Folder for the page, the corrected simulator and next.csv."
-)
-@click.option(
-    "--json",
-    "json_file",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Write the diagnosis as JSON (- for stdout).",
-)
-@click.option(
-    "--exclude", metavar="EFFECT,…", callback=_names, help="Effects not to consider, see `hystbench list effects`."
-)
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the bootstrap intervals.")
-@_column_options("x", "y", "time")
-def diagnose(
-    real: tuple[Path, ...], sim: tuple[Path, ...], out: Path | None, json_file: Path | None, exclude: list[str] | None,
-    seed: int, x: str | None, y: str | None, time: str | None,
-) -> None:  # fmt: skip
-    """Tell where a simulator and a recording disagree, which effect causes it, and how far the gap shrinks.
-
-    \b
-    Example:
-      hystbench diagnose real.csv --sim sim.csv --out diagnosis --json diagnosis.json
-    """
-    from ..diagnosis.delivery import deliver
-
-    for line in deliver(real, sim, out, json_file, exclude or [], seed, {"x": x, "y": y, "time": time}):
-        click.echo(line)
-
-
-@cli.command()
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    default=Path("hystbench-blind"),
-    show_default=True,
-    help="Folder for the results and the page.",
-)
-@click.option("--seeds", type=click.IntRange(1, 1000), default=1, show_default=True, help="Recordings of each case.")
-@click.option("--jobs", type=click.IntRange(1, 1024), help="Processes (default: one a core).")
-@click.option("--quick", is_flag=True, help="A part of the bank, for a first look.")
-def blind(out: Path, seeds: int, jobs: int | None, quick: bool) -> None:
-    """Check the diagnosis on recordings whose cause is sealed, and write the figures and a page.
-
-    The recordings are made by an analytic plant and, where the package mujoco is installed (the extra "blind"), by a
-    plant that MuJoCo simulates. Takes 12 to 14 minutes on two cores, with --quick less than two.
-
-    \b
-    Example:
-      hystbench blind --out blind --seeds 2
-    """
-    from ..diagnosis.blind.check import check
-
-    for line in check(out, seeds, jobs, quick):
-        click.echo(line)
-
-
-cli.add_command(data)
+for command in (fit, predict, invert, diagnose, blind, data):
+    cli.add_command(command)
 
 
 def main() -> None:

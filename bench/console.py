@@ -15,7 +15,7 @@ from ..datasets.column_roles import AssumptionWarning
 from ..errors import InputError
 from ..models import InverseError
 
-__all__ = ["EXIT_BAD_INPUT", "EXIT_CHECK_FAILED", "EXIT_INTERNAL", "CommandGroup", "execute", "message"]
+__all__ = ["EXIT_BAD_INPUT", "EXIT_CHECK_FAILED", "EXIT_INTERNAL", "CommandGroup", "DebugCommand", "execute", "message"]
 
 EXIT_CHECK_FAILED = 1
 EXIT_BAD_INPUT = 2

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from .column_roles import quantity
-from .inspection import Estimate, Inspection, Loop
+from .inspection import Estimate, Inspection
+from .loops import Loop
 
 __all__ = ["Applicability", "Finding", "applicable_models", "findings"]
 
