@@ -209,6 +209,15 @@ def test_what_the_spring_has_at_rest_is_its_preload(preload: float) -> None:
     assert spring_of(parameters, np.zeros(3)) == pytest.approx(np.full(3, preload), abs=0.02)
 
 
+@pytest.mark.parametrize("stiffness", [spring, lambda x: 1.4 * x], ids=["the spring", "a linear one beside"])
+def test_what_relaxes_about_the_stiffness_that_the_simulator_has_is_no_miscalibration(
+    stiffness: Callable[[Floats], Floats],
+) -> None:
+    relaxed = lfilter([STEP], [1.0, STEP - 1.0], stiffness(X))
+    found = diagnose(signals(joint(X) + 0.1 * (0.5 * stiffness(X) - relaxed)))
+    assert found.verdict == ["stress_relaxation"]
+
+
 def test_a_spring_that_relaxes_with_its_preload_needs_no_offset_besides() -> None:
     relaxed = np.zeros_like(X)
     for tau in np.geomspace(0.3, 30.0, 8):

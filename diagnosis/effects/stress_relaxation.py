@@ -30,6 +30,11 @@ def _missing(part: Callable[[Scene], Floats]) -> Columns:
     return lambda scene, shape: np.column_stack([-scene.signals.lowpass(part(scene), tau) for tau in shape])
 
 
+def _in_between(part: Callable[[Scene], Floats]) -> Columns:
+    """The simulator knows ``part`` while it relaxes: a share of what has relaxed is missing, the rest of it still to come."""
+    return lambda scene, shape: np.hstack([_relaxing(part)(scene, shape), _missing(part)(scene, shape)])
+
+
 def _spectrum(branches: Columns) -> Columns:
     """Three branches whose time constants are as 1 : 4 : 16."""
     return lambda scene, shape: branches(scene, (shape[0], 4.0 * shape[0], 16.0 * shape[0]))
@@ -95,6 +100,10 @@ class StressRelaxation(Effect):
         Parameter("share", "1", 0.0, np.inf, "part of the simulator's torque, or of its elastic part, that relaxes"),
         Parameter("share_2", "1", 0.0, np.inf, "of the second branch of a spectrum"),
         Parameter("share_3", "1", 0.0, np.inf, "of its third branch"),
+        Parameter("stiffness_relaxed", "N·m/rad", 0.0, np.inf, "of what the simulator has though it relaxes"),
+        Parameter(
+            "share_relaxed", "1", 0.0, np.inf, "part of the elastic torque that the simulator has though it relaxes"
+        ),
         Parameter("time_constant", "s", 0.0, np.inf, "of the (first) branch"),
         Parameter("compliance", "rad/(N·m)", 0.0, np.inf, "1/K, of what creeps in series with the joint"),
         Parameter(
@@ -149,6 +158,15 @@ class StressRelaxation(Effect):
                 [limits], (simpler,), lambda shape, _: (max(0.25 * shape[0], low),), equation=equation,
             )  # fmt: skip
 
+        def in_between(name: str, part: Part, size: str, simpler: str) -> Form:
+            """Of a simulator that was identified at the usual speeds: neither as stiff as at first nor as soft as in the end."""
+            slow = f"lowpass({part.symbol}, time_constant)"
+            return Form(
+                name, (size, f"{size}_relaxed"), _in_between(part.of), (0.0,) * 2, (np.inf,) * 2, ("time_constant",), (),
+                [limits], (simpler,), lambda shape, _: shape, borders=[LOW],
+                equation=f"y += {size} * ({part.symbol} - {slow}) - {size}_relaxed * {slow}",
+            )  # fmt: skip
+
         def springpot(name: str, part: Part, simpler: str) -> Form:
             return Form(
                 name, ("springpot",), _springpot(part.of), (0.0,), (np.inf,), ("order",), (), [(0.05, 0.8)], (simpler,),
@@ -184,6 +202,8 @@ class StressRelaxation(Effect):
             spectrum("from the torque down, spectrum", TORQUE, True, "from the torque down"),
             branches("from the spring down, two branches", SPRING, True, "from the spring down"),
             spectrum("from the spring down, spectrum", SPRING, True, "from the spring down"),
+            in_between("in between", DEFLECTION, "stiffness", "one branch"),
+            in_between("of the spring, in between", SPRING, "share", "from the spring down"),
             branches("two branches of the torque", TORQUE, False, "of the torque"),
             branches("two branches of the spring", SPRING, False, "of the torque"),
             spectrum("spectrum of the torque", TORQUE, False, "of the torque"),
