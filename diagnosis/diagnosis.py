@@ -252,6 +252,11 @@ def diagnose(
             f"{100.0 * choice.spikes:.2g} % of the samples stand out of the noise, by up to {most:.3g} {signals.unit}: look for"
             " lost samples, a loose contact or interference"
         )
+    if choice.roughness > 0.0:
+        notes.append(
+            f"what passes for noise is {choice.roughness:.2g} times stronger while the joint moves: a ripple that changes with"
+            " every sample, or a rattle; record slow strokes, or more densely"
+        )
     if choice.torque_step > 0.0:
         notes.append(
             f"the recorded torque comes in steps of {choice.torque_step:.3g} {signals.unit}: they are the gap; record it finer"

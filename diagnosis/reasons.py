@@ -47,7 +47,11 @@ def reasons(choice: Choice, closed: float, reports: Sequence[EffectReport]) -> l
             f"one factor on the whole torque, {1.0 + choice.factor:.4g}, would close it: no coincidence of several errors of "
             "parameters, but an effect that is not known here"
         )
-    if choice.verdict == [UNKNOWN] and not made and not (choice.torque_step or choice.hum or choice.spikes):
+    if (
+        choice.verdict == [UNKNOWN]
+        and not made
+        and not (choice.torque_step or choice.hum or choice.spikes or choice.roughness)
+    ):
         made.append(_nearest(choice, closed, reports))
     return made
 

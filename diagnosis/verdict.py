@@ -23,6 +23,7 @@ from .parsimony import fewest, hardly_worse, rather_two, simplest
 from .priors import BESIDE_OFF, IDLE, STANDS_IN, prior
 from .quantisation import torque_step
 from .rivals import SAME_BY_EYE, TEMPERATURE, effective_share, is_nested, is_poor, recalibration_rivals, weigh
+from .roughness import roughness
 from .search import NOTHING
 from .spikes import OUTLIERS, spikes
 
@@ -107,6 +108,8 @@ class Choice:
     """Frequency of a hum that makes up the gap, Hz; 0 otherwise."""
     spikes: float = 0.0
     """Share of the samples that stand out and make up the gap; 0 otherwise."""
+    roughness: float = 0.0
+    """How many times stronger what passes for noise is while the joint moves, where that makes up the gap; 0 otherwise."""
     images: Sequence[Term] = ()
     """Laws that explain the gap but are images of another effect that is not known here."""
     clock: OtherClock | None = None
@@ -308,19 +311,19 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
             either = 0.0 if crowded else _either_of_two(field, best, verdict, features, supported)
             # Of two the one named is the likelier.
             verdict, stated = ([UNKNOWN], 1.0 - stated) if either < DOUBT else (verdict, max(stated, 0.5 * either))
-    step = frequency = standing_out = 0.0
+    step = frequency = standing_out = rough = 0.0
     if not verdict:
-        step, frequency = torque_step(signals), hum(signals)
+        step, frequency, rough = torque_step(signals), hum(signals), roughness(signals)
         # What a simulator that is off by a little would close is no spike, nor is what its refit makes of one.
         smaller = np.minimum(np.abs(signals.gap), np.abs(misfit_refit))[rows]
         standing_out = spikes(smaller / signals.noise_floor)
-    if step > 0.0 or frequency > 0.0 or standing_out > OUTLIERS:
-        # They pass for noise, but a finer or better shielded sensor would close them.
+    if step > 0.0 or frequency > 0.0 or rough > 0.0 or standing_out > OUTLIERS:
+        # They pass for noise, but a finer or better shielded sensor, or a denser recording, would tell or close them.
         verdict = [UNKNOWN]
     return Choice(
         verdict, stated, best, held, miscalibrated, left / gap_power, features,
         posterior, odds, list(field.ranked), recalibration_rivals(evidence, verdict, best, own, found, tempered), tempered,
-        step, frequency, standing_out, images, clock, factor,
+        step, frequency, standing_out, rough, images, clock, factor,
     )  # fmt: skip
 
 

@@ -21,6 +21,8 @@ def sentence(found: Diagnosis) -> str:
         return f"{gap} is the torque sensor's: it counts in steps of {step} {sure}."
     if found.choice.hum > 0.0:
         return f"{gap} is a hum at {found.choice.hum:.3g} Hz, no effect of the joint {sure}."
+    if found.choice.roughness > 0.0:
+        return f"{gap} is real, though it looks like noise: it is {found.choice.roughness:.2g} times stronger while the joint moves {sure}."
     if found.verdict == [UNKNOWN] and found.choice.spikes > 0.0:
         stand_out = f"spikes in {100.0 * found.choice.spikes:.2g} % of the samples"
         return f"{gap} is {stand_out}, no effect of the joint {sure}."

@@ -21,9 +21,12 @@ def noise_level(signal: Floats) -> float:
     Smooth motion has small fourth differences, white noise of deviation s has fourth differences of deviation
     sqrt(70) s; the median makes the estimate blind to corners and jumps. Returns 0.0 for fewer than 9 samples.
     """
-    if signal.size < 9:
-        return 0.0
-    return float(np.median(np.abs(np.diff(signal, 4))) / (0.6744897501960817 * np.sqrt(70.0)))
+    return float(np.median(rough_differences(signal))) if signal.size >= 9 else 0.0
+
+
+def rough_differences(signal: Floats) -> Floats:
+    """Fourth differences, shape (n - 4,), about the samples in their middle, whose median is the deviation of white noise."""
+    return np.asarray(np.abs(np.diff(signal, 4)) / (0.6744897501960817 * np.sqrt(70.0)))
 
 
 def auto_dead_band(signal: Floats) -> float:

@@ -19,6 +19,7 @@ from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
 from hystbench.diagnosis.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.generalised import Generalised, motion_of, spring_of, strength_of
 from hystbench.diagnosis.hum import hum
+from hystbench.diagnosis.roughness import roughness
 from hystbench.diagnosis.signals import Signals
 from hystbench.diagnosis.wording import sentence
 
@@ -285,6 +286,38 @@ def test_noise_does_not_hum(seed: int) -> None:
     assert hum(white) == 0.0
     smooth = np.convolve(white.y_real - white.y_sim, np.ones(4) / 4.0, mode="same")
     assert hum(Signals(TIME, X, joint(X) + smooth, joint(X), [slice(0, X.size)], {})) == 0.0
+
+
+# ---- roughness ---------------------------------------------------------------------------------------------------------
+
+
+def passed_fast(amplitude: float, seed: int = 3) -> Signals:
+    """Slow strokes, and fast ones that pass a fine ripple within a sample or two."""
+    time = np.arange(6000) * STEP
+    x = 0.4 * np.sin(0.3 * time) + 0.5 * np.sin(5.0 * time) * (time > 10.0)
+    noise = NOISE * np.random.default_rng(seed).standard_normal(x.size)
+    return Signals(time, x, joint(x) + amplitude * np.sin(200.0 * x) + noise, joint(x), [slice(0, x.size)], {})
+
+
+def test_a_ripple_too_fine_for_the_samples_is_no_noise() -> None:
+    found = diagnose(passed_fast(0.05))
+    assert found.verdict == ["unknown"]
+    assert found.choice.roughness > 2.0
+    assert "while the joint moves" in sentence(found)
+    assert any("record slow strokes" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_noise_is_no_rougher_while_the_joint_moves(seed: int) -> None:
+    assert roughness(passed_fast(0.0, seed)) == 0.0
+
+
+def test_a_rough_deflection_is_not_taken_for_a_rough_torque() -> None:
+    smooth = passed_fast(0.0)
+    counted = np.round(smooth.x / 0.01) * 0.01
+    seen = Signals(smooth.time, counted, smooth.y_real, joint(counted), smooth.runs, {})
+    assert np.std(seen.gap) > 1.5 * np.std(smooth.gap)
+    assert roughness(seen) == 0.0
 
 
 # ---- spikes ------------------------------------------------------------------------------------------------------------
