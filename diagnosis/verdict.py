@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from .adequacy import ALMOST_ALL, emulated, forgiven_here, is_adequate, left_by, left_to_noise
 from .calibration import CONFIDENCE, confidence
 from .clocks import OtherClock, follows_another_clock
+from .emulation import SimulatorScene
 from .evidence import FINE, Evidence, Hypothesis, Term, count_unknowns, is_refitted
 from .heldout import HeldOut, held_out
 from .hum import hum
@@ -295,7 +296,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     ):
         verdict = [UNKNOWN]
     elif not evidence.fitted:
-        images = best.images or _imitations(found, best, refit.recalibration * miscalibrated)
+        images = best.images or _imitations(evidence.scene, found, best, refit.recalibration * miscalibrated)
         factor = factor_of_all(evidence, found, energy) if verdict == [MISCALIBRATION] else 0.0
         clock = follows_another_clock(evidence, best, found)
         verdict = [UNKNOWN] if images or factor or clock else verdict
@@ -327,7 +328,9 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     )  # fmt: skip
 
 
-def _imitations(found: Sequence[Hypothesis], best: Hypothesis, recalibration: Floats) -> list[Term]:
+def _imitations(
+    scene: SimulatorScene, found: Sequence[Hypothesis], best: Hypothesis, recalibration: Floats
+) -> list[Term]:
     """Those of its terms that add no less what another effect would, where none of these is known here to compete.
 
     By themselves, or together with what others and the simulator's ``recalibration`` (n,) make of it.
@@ -338,7 +341,7 @@ def _imitations(found: Sequence[Hypothesis], best: Hypothesis, recalibration: Fl
         term
         for term in best.terms
         if known.isdisjoint(term.effect.image_of)
-        and any(term.effect.imitates(signal) for signal in (best.part(term.effect.id), *together))
+        and any(term.effect.imitates(signal, scene) for signal in (best.part(term.effect.id), *together))
     ]
 
 

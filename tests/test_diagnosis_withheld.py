@@ -9,6 +9,8 @@ from motions import swelling
 from numpy.typing import NDArray
 
 from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
+from hystbench.diagnosis.effects.stribeck_friction import StribeckFriction
+from hystbench.diagnosis.emulation import SimulatorScene
 from hystbench.diagnosis.signals import Signals
 from hystbench.diagnosis.wording import summary
 
@@ -24,8 +26,12 @@ SLOWLY = {
 CLOCK = {"cyclic_softening": "travel", "thermal_drift": "time"}
 
 
+def spring(x: Floats) -> Floats:
+    return 4.0 * x + 0.6 * x**3
+
+
 def joint(x: Floats) -> Floats:
-    return 4.0 * x + 0.6 * x**3 + sliders(x, ((6.0, 0.12), (2.0, 0.15), (0.8, 0.16)))
+    return spring(x) + sliders(x, ((6.0, 0.12), (2.0, 0.15), (0.8, 0.16)))
 
 
 def diagnosed(y_real: Floats, exclude: tuple[str, ...] = ()) -> Diagnosis:
@@ -57,3 +63,29 @@ def test_an_offset_of_the_torque_is_not_blamed_on_two_errors_of_the_deflection_t
     assert withheld.verdict == ["unknown"]
     assert len(withheld.choice.hypothesis.names) > 1
     assert diagnosed(joint(X) + 0.15).verdict == ["torque_offset"]
+
+
+def test_a_shift_of_the_spring_is_not_blamed_on_a_constant_torque_and_an_asymmetry_that_make_it_up_together() -> None:
+    shifted = joint(X) + spring(X - 0.03) - spring(X)
+    withheld = diagnosed(shifted, ("deflection_offset",))
+    assert withheld.verdict == ["unknown"]
+    assert withheld.choice.hypothesis.names == {"torque_offset", "stiffness_asymmetry"}
+    assert any(note.startswith("stiffness asymmetry would explain it, but on this joint") for note in withheld.notes)
+    assert diagnosed(shifted).verdict == ["deflection_offset"]
+
+
+def test_friction_of_constant_size_is_not_blamed_on_a_damper_that_saturates() -> None:
+    speed = np.gradient(X, TIME)
+    rubbing = joint(X) + 0.1 * np.tanh(speed / (0.5 * np.std(speed)))
+    withheld = diagnosed(rubbing, ("coulomb_friction",))
+    assert withheld.verdict == ["unknown"]
+    assert any(note.startswith("viscous friction would explain it, but on this joint") for note in withheld.notes)
+
+
+@pytest.mark.parametrize(("rising", "constant"), [(1.5, True), (0.0, False)])
+def test_friction_that_falls_is_constant_with_what_rises_as_much_beside_it(rising: float, constant: bool) -> None:
+    scene = SimulatorScene(Signals(TIME, X, joint(X), joint(X), [slice(0, X.size)], {}))
+    speed = scene.signals.speed / np.std(scene.signals.speed)
+    falling = (1.0 + 1.5 * np.exp(-np.abs(speed))) * np.tanh(speed / 0.02)
+    added = falling + rising * (1.0 - np.exp(-np.abs(speed))) * np.sign(speed)
+    assert StribeckFriction().imitates(added, scene) == constant

@@ -46,7 +46,7 @@ class DeflectionOffset(Effect):
     # On a linear spring they are the same.
     image_of: ClassVar[tuple[str, ...]] = ("torque_offset",)
 
-    def imitates(self, signal: Floats) -> bool:
+    def imitates(self, signal: Floats, scene: Scene) -> bool:
         return float(np.std(signal)) < UNIFORM * abs(float(np.mean(signal)))
 
     def forms(self, scene: Scene) -> list[Form]:

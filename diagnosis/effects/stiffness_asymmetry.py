@@ -7,9 +7,14 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import PARTS, Columns, Effect, Floats, Form, Parameter, Part, Scene
+from .base import PARTS, Columns, Effect, Floats, Form, Parameter, Part, Scene, share_made
 
 __all__ = ["StiffnessAsymmetry"]
+
+SHIFT = 0.02
+"""Shift of the deflection, over the stroke, that shows what any small one does."""
+SHIFTED = 0.99
+"""Share of the energy of what is added that such a shift of the spring would make, from which it is no less that."""
 
 
 def _torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -118,6 +123,13 @@ class StiffnessAsymmetry(Effect):
         Parameter("knee", "rad", 0.0, np.inf, "width over which the stiffness changes"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("end_stop", "deflection_offset", "torque_gain")
+    # With a constant torque beside it, which is what a shift of a spring makes.
+    image_of: ClassVar[tuple[str, ...]] = ("deflection_offset",)
+
+    def imitates(self, signal: Floats, scene: Scene) -> bool:
+        near = SHIFT * scene.signals.reach
+        shifts = (scene.spring_change(scene.signals.x + shift) for shift in (-near, near))
+        return any(share_made(signal, shift) > SHIFTED for shift in shifts)
 
     def forms(self, scene: Scene) -> list[Form]:
         free = (-np.inf,), (np.inf,)

@@ -9,7 +9,19 @@ import numpy as np
 
 from ..levels import yielding
 from ..operators import rms
-from .base import LOW, NOT, PRESLIDING, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws
+from .base import (
+    LOW,
+    NOT,
+    PRESLIDING,
+    DirectionLaw,
+    Effect,
+    Floats,
+    Form,
+    Parameter,
+    Scene,
+    direction_laws,
+    is_constant_friction,
+)
 
 __all__ = ["StribeckFriction"]
 
@@ -90,6 +102,11 @@ class StribeckFriction(Effect):
     )
     confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "viscous_friction")
     contains: ClassVar[tuple[str, ...]] = ("coulomb_friction",)
+    # With what grows with speed beside it, it is constant.
+    image_of: ClassVar[tuple[str, ...]] = ("coulomb_friction",)
+
+    def imitates(self, signal: Floats, scene: Scene) -> bool:
+        return is_constant_friction(signal, scene)
 
     def is_degenerate(self, parameters: dict[str, float], scene: Scene) -> bool:
         if "rise" in parameters:

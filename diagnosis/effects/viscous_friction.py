@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..operators import rms
-from .base import Effect, Floats, Form, Parameter, Scene, at_either_end, between_ends, overdone
+from .base import Effect, Floats, Form, Parameter, Scene, at_either_end, between_ends, is_constant_friction, overdone
 
 __all__ = ["ViscousFriction"]
 
@@ -69,6 +69,11 @@ class ViscousFriction(Effect):
         Parameter("power", "1", 0.5, 2.0, "1 for a Newtonian lubricant, less for a shear-thinning one"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("sensor_delay", "coulomb_friction", "stress_relaxation")
+    # What saturates soon is constant.
+    image_of: ClassVar[tuple[str, ...]] = ("coulomb_friction",)
+
+    def imitates(self, signal: Floats, scene: Scene) -> bool:
+        return is_constant_friction(signal, scene)
 
     def forms(self, scene: Scene) -> list[Form]:
         fast = rms(scene.signals.speed)
