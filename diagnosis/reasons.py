@@ -42,6 +42,11 @@ def reasons(choice: Choice, closed: float, reports: Sequence[EffectReport]) -> l
             f"{choice.clock.term.effect.title} would explain it, but what changes goes with {by} rather than with {own}: "
             "another effect, one that is not known here"
         )
+    if choice.strained:
+        made.append(
+            "the simulator's own parameters would explain it, but several would have to be off by far more than a tenth: an effect"
+            " that is not known here is likelier"
+        )
     if choice.factor:
         made.append(
             f"one factor on the whole torque, {1.0 + choice.factor:.4g}, would close it: no coincidence of several errors of "

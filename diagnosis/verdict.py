@@ -27,6 +27,7 @@ from .rivals import SAME_BY_EYE, TEMPERATURE, effective_share, is_nested, is_poo
 from .roughness import roughness
 from .search import NOTHING
 from .spikes import OUTLIERS, spikes
+from .strain import is_too_far_off
 
 __all__ = ["ENOUGH", "Choice", "choose"]
 
@@ -115,6 +116,8 @@ class Choice:
     """Laws that explain the gap but are images of another effect that is not known here."""
     clock: OtherClock | None = None
     """The effect that explains the gap, but goes on with another clock than it should."""
+    strained: bool = False
+    """Whether the simulator's own parameters would make the gap, but would have to be off by far too much."""
     factor: float = 0.0
     """Relative error of all that the simulator says which alone makes the gap, where no effect known here does that; 0 otherwise."""
 
@@ -286,7 +289,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     )
     verdict = sorted(best.names, key=lambda name: -float(np.mean(np.square(best.part(name)))))
     images: list[Term] = []
-    factor, clock = 0.0, None
+    factor, clock, strained = 0.0, None, False
     if miscalibrated and not expected:
         verdict.append(MISCALIBRATION)
     if _nothing(evidence, best, miscalibrated, features):
@@ -298,10 +301,11 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     elif not evidence.fitted:
         images = best.images or _imitations(evidence.scene, found, best, refit.recalibration * miscalibrated)
         factor = factor_of_all(evidence, found, energy) if verdict == [MISCALIBRATION] else 0.0
+        strained = verdict == [MISCALIBRATION] and is_too_far_off(evidence)
         clock = follows_another_clock(evidence, best, found)
-        verdict = [UNKNOWN] if images or factor or clock else verdict
+        verdict = [UNKNOWN] if images or factor or clock or strained else verdict
     stated = confidence(CONFIDENCE, verdict, features)
-    if images or factor or clock:
+    if images or factor or clock or strained:
         # Little is left over, which says otherwise that the verdict ought to be another.
         stated = max(stated, IMAGED)
     if best.names == {GAIN} and GAIN in verdict and is_too_large(evidence, energy):
@@ -324,7 +328,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     return Choice(
         verdict, stated, best, held, miscalibrated, left / gap_power, features,
         posterior, odds, list(field.ranked), recalibration_rivals(evidence, verdict, best, own, found, tempered), tempered,
-        step, frequency, standing_out, rough, images, clock, factor,
+        step, frequency, standing_out, rough, images, clock, strained, factor,
     )  # fmt: skip
 
 

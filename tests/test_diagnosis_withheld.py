@@ -89,3 +89,20 @@ def test_friction_that_falls_is_constant_with_what_rises_as_much_beside_it(risin
     falling = (1.0 + 1.5 * np.exp(-np.abs(speed))) * np.tanh(speed / 0.02)
     added = falling + rising * (1.0 - np.exp(-np.abs(speed))) * np.sign(speed)
     assert StribeckFriction().imitates(added, scene) == constant
+
+
+def test_a_simulator_is_not_called_off_where_its_parameters_would_have_to_be_off_by_far_too_much() -> None:
+    # The simulator has a little of the damping that the joint has much more of.
+    speed = np.gradient(X, TIME)
+    noise = NOISE * np.random.default_rng(3).standard_normal(X.size)
+
+    def off_by(much: float) -> Diagnosis:
+        simulated = joint(X) + 0.05 * speed
+        real = simulated + 0.05 * much * speed + noise
+        exclude = ("viscous_friction", "sensor_delay", "stress_relaxation")
+        return diagnose(Signals(TIME, X, real, simulated, [slice(0, X.size)], {}), exclude=exclude)
+
+    assert off_by(0.6).verdict == ["miscalibration"]
+    far = off_by(3.0)
+    assert far.verdict == ["unknown"]
+    assert any("far more than a tenth" in note for note in far.notes)
