@@ -10,7 +10,7 @@ __all__ = ["is_too_far_off"]
 
 BELIEVED = 100.0
 """Sum of the squared errors of all parameters, over those of one that is off by a tenth, up to which a simulator is only badly
-calibrated. Of 66 strangers' simulators that were off by 3 to 5 % none needed more, of 14 in whose place an effect was not known 8."""
+calibrated. Of 66 strangers' simulators that were off by 3 to 5 % none needed more, of 15 that were blamed for an effect not known here 8."""
 FEW = 3000
 """Samples that are enough."""
 
