@@ -17,6 +17,8 @@ FEWEST = 100
 """Samples whose level can be told well enough."""
 STRONGER = 1.5
 """Noise at the fastest over that at the slowest from which it is of the motion; on 60 recordings with no gap it was 1.2 at most."""
+MATTERS = 1e-3
+"""Level at the fastest, over the torque's deviation, from which it is worth a word; less is what rounding of numbers makes."""
 KNOWN = 0.5
 """Share of the energy by which it is stronger that the simulator has as well: the measured deflection is rough, not the torque."""
 
@@ -38,9 +40,10 @@ def roughness(signals: Signals) -> float:
         differences = np.concatenate([rough_differences(series[piece]) for piece in pieces])
         return float(np.median(differences[slow])) ** 2, float(np.median(differences[fast])) ** 2
 
+    least = (MATTERS * float(np.std(signals.y_real))) ** 2
     at_rest, moving = energies(signals.gap)
-    more = moving - at_rest
-    simulated = energies(signals.y_sim)
-    if moving <= STRONGER**2 * at_rest or simulated[1] - simulated[0] > KNOWN * more:
+    at_rest = max(at_rest, 1e-4 * least)
+    before, after = energies(signals.y_sim)
+    if moving < least or moving <= STRONGER**2 * at_rest or after - before > KNOWN * (moving - at_rest):
         return 0.0
-    return float(np.sqrt(moving / max(at_rest, 1e-300)))
+    return float(np.sqrt(moving / at_rest))

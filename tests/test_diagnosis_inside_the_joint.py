@@ -312,6 +312,13 @@ def test_noise_is_no_rougher_while_the_joint_moves(seed: int) -> None:
     assert roughness(passed_fast(0.0, seed)) == 0.0
 
 
+def test_rounded_numbers_are_not_rough() -> None:
+    time = np.arange(6000) * STEP
+    held = 0.5 * np.clip(1.5 * np.sin(0.8 * time), -1.0, 1.0)
+    seen = Signals(time, held, joint(held), np.round(joint(held), 4), [slice(0, time.size)], {})
+    assert roughness(seen) == 0.0
+
+
 def test_a_rough_deflection_is_not_taken_for_a_rough_torque() -> None:
     smooth = passed_fast(0.0)
     counted = np.round(smooth.x / 0.01) * 0.01
