@@ -315,7 +315,7 @@ def test_noise_is_no_rougher_while_the_joint_moves(seed: int) -> None:
 def test_rounded_numbers_are_not_rough() -> None:
     time = np.arange(6000) * STEP
     held = 0.5 * np.clip(1.5 * np.sin(0.8 * time), -1.0, 1.0)
-    seen = Signals(time, held, joint(held), np.round(joint(held), 4), [slice(0, time.size)], {})
+    seen = Signals(time, held, np.round(joint(held), 4), joint(held), [slice(0, time.size)], {})
     assert roughness(seen) == 0.0
 
 
