@@ -100,7 +100,6 @@ class StressRelaxation(Effect):
         Parameter("share", "1", 0.0, np.inf, "part of the simulator's torque, or of its elastic part, that relaxes"),
         Parameter("share_2", "1", 0.0, np.inf, "of the second branch of a spectrum"),
         Parameter("share_3", "1", 0.0, np.inf, "of its third branch"),
-        Parameter("stiffness_relaxed", "N·m/rad", 0.0, np.inf, "of what the simulator has though it relaxes"),
         Parameter(
             "share_relaxed", "1", 0.0, np.inf, "part of the elastic torque that the simulator has though it relaxes"
         ),
@@ -158,21 +157,13 @@ class StressRelaxation(Effect):
                 [limits], (simpler,), lambda shape, _: (max(0.25 * shape[0], low),), equation=equation,
             )  # fmt: skip
 
-        def in_between(name: str, part: Part, size: str, simpler: str) -> Form:
-            """Of a simulator that was identified at the usual speeds: neither as stiff as at first nor as soft as in the end."""
-            slow = f"lowpass({part.symbol}, time_constant)"
-            return Form(
-                name, (size, f"{size}_relaxed"), _in_between(part.of), (0.0,) * 2, (np.inf,) * 2, ("time_constant",), (),
-                [limits], (simpler,), lambda shape, _: shape, borders=[LOW],
-                equation=f"y += {size} * ({part.symbol} - {slow}) - {size}_relaxed * {slow}",
-            )  # fmt: skip
-
         def springpot(name: str, part: Part, simpler: str) -> Form:
             return Form(
                 name, ("springpot",), _springpot(part.of), (0.0,), (np.inf,), ("order",), (), [(0.05, 0.8)], (simpler,),
                 lambda shape, _: (0.3,), borders=[BOTH], equation=f"y += springpot * fractional({part.symbol}, order)",
             )  # fmt: skip
 
+        settled = f"lowpass({SPRING.symbol}, time_constant)"
         in_series = "x = x - compliance * lowpass(y, time_constant)"
         # As soft as that the joint itself would hardly move.
         soft = 0.5 * s.reach / max(float(np.max(np.abs(s.y_real))), 1e-300)
@@ -202,8 +193,10 @@ class StressRelaxation(Effect):
             spectrum("from the torque down, spectrum", TORQUE, True, "from the torque down"),
             branches("from the spring down, two branches", SPRING, True, "from the spring down"),
             spectrum("from the spring down, spectrum", SPRING, True, "from the spring down"),
-            in_between("in between", DEFLECTION, "stiffness", "one branch"),
-            in_between("of the spring, in between", SPRING, "share", "from the spring down"),
+            # Of a simulator that was identified at the usual speeds: neither as stiff as at first nor as soft as in the end.
+            Form("of the spring, in between", ("share", "share_relaxed"), _in_between(SPRING.of), (0.0,) * 2, (np.inf,) * 2,
+                 ("time_constant",), (), [limits], ("from the spring down",), borders=[LOW],
+                 equation=f"y += share * (y_spring - {settled}) - share_relaxed * {settled}"),
             branches("two branches of the torque", TORQUE, False, "of the torque"),
             branches("two branches of the spring", SPRING, False, "of the torque"),
             spectrum("spectrum of the torque", TORQUE, False, "of the torque"),
