@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..models.motion import noise_level
 
-__all__ = ["FARTHEST", "independent", "noise_levels", "structured_power"]
+__all__ = ["FARTHEST", "independent", "interleaved", "noise_levels", "structured_power"]
 
 Floats = NDArray[np.float64]
 SETTLED, FILTERED = 1.04, (1.4, 1.18, 1.1)
@@ -24,11 +24,16 @@ LEVEL, LATER = (0.95, 1.05), (0.9, 1.12)
 """Factors by which such a level may differ from one stride to the next, and to the one after: a hum's falls faster."""
 
 
+def interleaved(runs: Sequence[slice], stride: int) -> list[slice]:
+    """Each recording's samples that are ``stride`` apart, from its first, its second and so on."""
+    return [slice(run.start + k, run.stop, stride) for run in runs for k in range(stride)]
+
+
 def noise_levels(series: Floats, runs: Sequence[slice]) -> list[float]:
     """Noise level of samples of ``series`` (n,) that are 1, 2, … apart, as far as :func:`independent` looks."""
 
     def apart(stride: int) -> float:
-        parts = [series[run][k::stride] for run in runs for k in range(stride)]
+        parts = [series[part] for part in interleaved(runs, stride)]
         squares = np.square([noise_level(part) for part in parts])
         return float(np.sqrt(np.average(squares, weights=[part.size for part in parts])))
 

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.motion import rough_differences
+from .noise import interleaved
 from .signals import Signals
 
 __all__ = ["roughness"]
@@ -29,7 +30,7 @@ def roughness(signals: Signals) -> float:
     A sensor's noise does not know whether the joint moves. What changes fast with the place passes for noise only where
     the joint passes it fast.
     """
-    pieces = [slice(run.start + k, run.stop, signals.stride) for run in signals.runs for k in range(signals.stride)]
+    pieces = interleaved(signals.runs, signals.stride)
     speed = np.concatenate([np.abs(signals.speed[piece])[2:-2] for piece in pieces])
     slow, fast = speed <= np.quantile(speed, SHARE), speed >= np.quantile(speed, 1.0 - SHARE)
     if np.count_nonzero(slow) < FEWEST:

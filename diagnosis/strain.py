@@ -6,7 +6,7 @@ import numpy as np
 
 from .evidence import Evidence
 
-__all__ = ["is_too_far_off"]
+__all__ = ["is_strained"]
 
 BELIEVED = 100.0
 """Sum of the squared errors of all parameters, over those of one that is off by a tenth, up to which a simulator is only badly
@@ -15,7 +15,7 @@ FEW = 3000
 """Samples that are enough."""
 
 
-def is_too_far_off(evidence: Evidence) -> bool:
+def is_strained(evidence: Evidence) -> bool:
     """Whether the errors that close a gap without any effect are so large that an effect is likelier which is not known here."""
     emulator, scales = evidence.scene.emulator, evidence.scales
     some = np.flatnonzero(evidence.rows)[:: max(evidence.size // FEW, 1)]

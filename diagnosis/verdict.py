@@ -27,7 +27,7 @@ from .rivals import SAME_BY_EYE, TEMPERATURE, effective_share, is_nested, is_poo
 from .roughness import roughness
 from .search import NOTHING
 from .spikes import OUTLIERS, spikes
-from .strain import is_too_far_off
+from .strain import is_strained
 
 __all__ = ["ENOUGH", "Choice", "choose"]
 
@@ -289,7 +289,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     )
     verdict = sorted(best.names, key=lambda name: -float(np.mean(np.square(best.part(name)))))
     images: list[Term] = []
-    factor, clock, strained = 0.0, None, False
+    factor, clock, strained, blamed = 0.0, None, False, False
     if miscalibrated and not expected:
         verdict.append(MISCALIBRATION)
     if _nothing(evidence, best, miscalibrated, features):
@@ -301,11 +301,12 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     elif not evidence.fitted:
         images = best.images or _imitations(evidence.scene, found, best, refit.recalibration * miscalibrated)
         factor = factor_of_all(evidence, found, energy) if verdict == [MISCALIBRATION] else 0.0
-        strained = verdict == [MISCALIBRATION] and is_too_far_off(evidence)
+        strained = verdict == [MISCALIBRATION] and is_strained(evidence)
         clock = follows_another_clock(evidence, best, found)
-        verdict = [UNKNOWN] if images or factor or clock or strained else verdict
+        blamed = bool(images or factor or clock or strained)
+        verdict = [UNKNOWN] if blamed else verdict
     stated = confidence(CONFIDENCE, verdict, features)
-    if images or factor or clock or strained:
+    if blamed:
         # Little is left over, which says otherwise that the verdict ought to be another.
         stated = max(stated, IMAGED)
     if best.names == {GAIN} and GAIN in verdict and is_too_large(evidence, energy):

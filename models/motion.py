@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["auto_dead_band", "directions", "noise_level", "settled_from", "turning_points"]
+__all__ = ["auto_dead_band", "directions", "noise_level", "rough_differences", "settled_from", "turning_points"]
 
 Floats = NDArray[np.float64]
 

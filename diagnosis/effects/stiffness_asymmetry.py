@@ -12,7 +12,7 @@ from .base import PARTS, Columns, Effect, Floats, Form, Parameter, Part, Scene, 
 __all__ = ["StiffnessAsymmetry"]
 
 SHIFT = 0.02
-"""Shift of the deflection, over the stroke, that shows what any small one does."""
+"""Shift of the deflection, over half its range, that shows what any small one does."""
 SHIFTED = 0.99
 """Share of the energy of what is added that such a shift of the spring would make, from which it is no less that."""
 
