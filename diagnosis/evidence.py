@@ -274,6 +274,7 @@ class Evidence:
         triangle = reduced(tangents[part] * weights for part in blocks(self.gap.size))
         _, singular, right = np.linalg.svd(triangle, full_matrices=False)
         kept = singular > max(NOTICEABLE, 1e-5 * float(singular[0]))
+        self._singular, self._right = singular[kept], right[kept]
         # Combinations of tangents that are as well on every sample, those that this fit does not see included.
         self._to_basis = weights[:, None] * (right[kept].T / singular[kept])
         self._basis = tangents @ self._to_basis
@@ -394,6 +395,11 @@ class Evidence:
         modes = rotation @ (absorbed * (rotation.T @ (self._basis.T @ residual)))
         scene = self.scene
         return np.hstack([scene.emulator.structure, scene.emulator.bulk]) @ (self._to_basis @ modes)
+
+    def errors(self) -> Floats:
+        """The simulator's errors that best make the gap by themselves, shape (p,): of each parameter, over the largest errors."""
+        seen = self._singular / (self._singular**2 + 1.0 / self.thinning)
+        return np.asarray(self._right.T @ (seen * self._gap_in_basis)) / self.sigma
 
     def recalibration(self, hypothesis: Hypothesis) -> Floats:
         """What refitting the simulator beside a hypothesis adds to its output, N·m, on every sample, shape (n,)."""

@@ -30,11 +30,12 @@ def reasons(choice: Choice, closed: float, reports: Sequence[EffectReport]) -> l
         What each effect does by itself.
     """
     made = [
-        f"{term.effect.title} would explain it at the end of its range ({term.form.name}), where another effect begins, one "
-        "that is not known here"
-        if term.is_an_image
-        else f"{term.effect.title} would explain it, but on this joint another effect that is not known here would look the same"
-        for term in choice.images
+        f"{image.term.effect.title} would explain it at the end of its range ({image.term.form.name}), where another effect "
+        "begins, one that is not known here"
+        if image.term.is_an_image
+        else f"{image.term.effect.title} would explain it, but on this joint "
+        f"{enumerated([name.replace('_', ' ') for name in image.of])}, which is not considered here, would look the same"
+        for image in choice.images
     ]
     if choice.clock:
         by, own = CLOCKS[choice.clock.clock], CLOCKS[choice.clock.term.effect.clock]

@@ -85,6 +85,15 @@ RECALIBRATION_SHARE_POOR = 0.3
 
 
 @dataclass(frozen=True)
+class Image:
+    """A law that explains the gap but may be the image of an effect that is not known here."""
+
+    term: Term
+    of: Sequence[str]
+    """Ids of what would look the same; of a law at the end of its range, of what it may be there."""
+
+
+@dataclass(frozen=True)
 class Choice:
     """The verdict and what it rests on."""
 
@@ -112,8 +121,7 @@ class Choice:
     """Share of the samples that stand out and make up the gap; 0 otherwise."""
     roughness: float = 0.0
     """How many times stronger what passes for noise is while the joint moves, where that makes up the gap; 0 otherwise."""
-    images: Sequence[Term] = ()
-    """Laws that explain the gap but are images of another effect that is not known here."""
+    images: Sequence[Image] = ()
     clock: OtherClock | None = None
     """The effect that explains the gap, but goes on with another clock than it should."""
     strained: bool = False
@@ -130,7 +138,7 @@ class Choice:
 def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     """Weigh the hypotheses (the empty one first) and state the verdict."""
     choice = _chosen(evidence, found)
-    if any(term.is_an_image for term in choice.images):
+    if any(image.term.is_an_image for image in choice.images):
         # What a law at the end of its range is the image of may be known, and explain the gap itself.
         again = _chosen(evidence, [_without_image(h) for h in found if not h.images])
         if again.verdict != [UNKNOWN] and (
@@ -171,13 +179,16 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     blank = found[0]
 
     is_far = _is_too_far_off(evidence, blank)
+    is_beyond_belief = not evidence.fitted and is_strained(evidence)
     is_enough = is_adequate(evidence, blank, energy)
 
     def is_needed(hypothesis: Hypothesis) -> bool:
         pliable = max(count_unknowns(hypothesis.terms) / CONSTANTS, 1.0)
         enough = is_enough and not _makes_right(evidence, hypothesis, blank)
         least = max(BESIDE_OFF * pliable, BESIDE_ENOUGH if enough else 0.0) * evidence.effective
-        return hypothesis.score - blank.score >= (IDLE if is_far else least)
+        # Errors beyond belief are no measure for what spares the simulator them.
+        is_free = is_far or (is_beyond_belief and _is_nearer(hypothesis, blank))
+        return hypothesis.score - blank.score >= (IDLE if is_free else least)
 
     if not simple.terms and not evidence.fitted:
         single = (h for h in ranked if len(h.terms) == 1 and rms(h.signal) > SUBSTANTIAL * size)
@@ -288,7 +299,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
         np.hypot(forgiven_here(evidence, features["gap"], bent), emulated(evidence, best, energy))
     )
     verdict = sorted(best.names, key=lambda name: -float(np.mean(np.square(best.part(name)))))
-    images: list[Term] = []
+    images: list[Image] = []
     factor, clock, strained, blamed = 0.0, None, False, False
     if miscalibrated and not expected:
         verdict.append(MISCALIBRATION)
@@ -299,7 +310,8 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     ):
         verdict = [UNKNOWN]
     elif not evidence.fitted:
-        images = best.images or _imitations(evidence.scene, found, best, refit.recalibration * miscalibrated)
+        images = [Image(term, term.effect.image_of) for term in best.images]
+        images = images or _imitations(evidence.scene, found, best, refit.recalibration)
         factor = factor_of_all(evidence, found, energy) if verdict == [MISCALIBRATION] else 0.0
         strained = verdict == [MISCALIBRATION] and is_strained(evidence)
         clock = follows_another_clock(evidence, best, found)
@@ -335,19 +347,19 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
 
 def _imitations(
     scene: SimulatorScene, found: Sequence[Hypothesis], best: Hypothesis, recalibration: Floats
-) -> list[Term]:
-    """Those of its terms that add no less what another effect would, where none of these is known here to compete.
+) -> list[Image]:
+    """Those of its terms that add no less what another effect would which is not known here to compete.
 
     By themselves, or together with what others and the simulator's ``recalibration`` (n,) make of it.
     """
     known = set().union(*(hypothesis.names for hypothesis in found))
     together = best.signal, best.signal + recalibration
-    return [
-        term
-        for term in best.terms
-        if known.isdisjoint(term.effect.image_of)
-        and any(term.effect.imitates(signal, scene) for signal in (best.part(term.effect.id), *together))
-    ]
+    made = []
+    for term in best.terms:
+        imitated = (term.effect.imitates(signal, scene) for signal in (best.part(term.effect.id), *together))
+        if others := set().union(*imitated) - known:
+            made.append(Image(term, sorted(others)))
+    return made
 
 
 def _imaged_by(hypothesis: Hypothesis) -> set[frozenset[str]]:

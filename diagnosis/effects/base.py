@@ -7,7 +7,7 @@ Golub & Pereyra, Inverse Problems 19, 2003).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, NamedTuple, Protocol
 
@@ -197,7 +197,7 @@ class Effect:
     contains: ClassVar[tuple[str, ...]] = ()
     """Simpler effects that are special cases: where they do nearly as well, they are named instead."""
     image_of: ClassVar[tuple[str, ...]] = ()
-    """Effects of which its laws are images where their shapes run to a border, or where it imitates them."""
+    """Effects of which its laws may be images, and are where their shapes run to a border."""
 
     clock: ClassVar[str] = ""
     """The one of ``CLOCKS`` with which it goes on, if its laws say how."""
@@ -206,35 +206,16 @@ class Effect:
         """Whether the fitted parameters make this effect a simpler one, on the recording of ``scene``."""
         return False
 
-    def imitates(self, signal: Floats, scene: Scene) -> bool:
-        """Whether what it adds, ``signal`` (n,), N·m, is no less what those of which it may be the image would add.
+    def imitates(self, signal: Floats, scene: Scene) -> Collection[str]:
+        """Ids of other effects that would add no less what it adds, ``signal`` (n,), N·m.
 
         By itself, or with the effects and the simulator's errors beside it.
         """
-        return False
+        return ()
 
     def forms(self, scene: Scene) -> list[Form]:
         """The laws that this recording allows to fit (none, if it cannot show the effect at all)."""
         raise TypeError(f"{type(self).__name__} does not define forms")
-
-
-def share_made(signal: Floats, column: Floats) -> float:
-    """Share of the energy of ``signal`` (n,) that the best multiple of ``column`` (n,) makes."""
-    together = float(signal @ column) ** 2
-    return together / max(float(signal @ signal) * float(column @ column), 1e-300)
-
-
-CONSTANT = 0.97
-"""Share of the energy of what is added that friction of constant size would make, from which it is no less that; of 40 frictions
-that fell with speed it was 0.89 at most."""
-TRANSITIONS = (0.003, 0.01, 0.03, 0.1, 0.3)
-"""Speeds over which the sign of such friction may be smooth, over the root mean square of the speed."""
-
-
-def is_constant_friction(signal: Floats, scene: Scene) -> bool:
-    """Whether what is added, ``signal`` (n,), N·m, is hardly anything but dry friction of constant size."""
-    speed = scene.signals.speed / max(rms(scene.signals.speed), 1e-300)
-    return any(share_made(signal, np.tanh(speed / transition)) > CONSTANT for transition in TRANSITIONS)
 
 
 def geometric(low: float, high: float, count: int) -> list[float]:

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import ClassVar
 
-import numpy as np
-
-from .base import INPUT, SETTLING, Effect, Floats, Form, Parameter, Scene, settled, settling_limits, settling_start
+from .base import (
+    INPUT,
+    SETTLING,
+    Effect,
+    Floats,
+    Form,
+    Parameter,
+    Scene,
+    settled,
+    settling_limits,
+    settling_start,
+)
+from .images import is_one_sided_stiffness, is_uniform
 
 __all__ = ["DeflectionOffset"]
-
-UNIFORM = 0.1
-"""Deviation of what it adds over the mean, up to which it is no less an offset of the torque."""
 
 
 def _columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -46,8 +54,10 @@ class DeflectionOffset(Effect):
     # On a linear spring they are the same.
     image_of: ClassVar[tuple[str, ...]] = ("torque_offset",)
 
-    def imitates(self, signal: Floats, scene: Scene) -> bool:
-        return float(np.std(signal)) < UNIFORM * abs(float(np.mean(signal)))
+    def imitates(self, signal: Floats, scene: Scene) -> Collection[str]:
+        if is_uniform(signal):
+            return self.image_of
+        return ("stiffness_asymmetry",) if is_one_sided_stiffness(signal, scene) else ()
 
     def forms(self, scene: Scene) -> list[Form]:
         reach = scene.signals.reach

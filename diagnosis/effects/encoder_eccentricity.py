@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import ClassVar
 
 import numpy as np
 
 from .base import INPUT, LOW, NOT, Columns, Effect, Floats, Form, Parameter, Scene, geometric
+from .images import is_one_sided_stiffness
 
 __all__ = ["EncoderEccentricity"]
 
@@ -106,6 +107,9 @@ class EncoderEccentricity(Effect):
     confused_with: ClassVar[tuple[str, ...]] = ("deflection_offset", "torque_gain", "miscalibration")
     # A wave longer than the stroke is hardly more than its mean.
     image_of: ClassVar[tuple[str, ...]] = ("deflection_offset",)
+
+    def imitates(self, signal: Floats, scene: Scene) -> Collection[str]:
+        return ("stiffness_asymmetry",) if is_one_sided_stiffness(signal, scene) else ()
 
     def is_degenerate(self, parameters: dict[str, float], scene: Scene) -> bool:
         # Harmonics that cancel but for their mean are an offset of the deflection.

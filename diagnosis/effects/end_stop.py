@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import ClassVar
 
 import numpy as np
 
 from .base import Columns, Effect, Floats, Form, Parameter, Scene
+from .images import is_one_sided_stiffness
 
 __all__ = ["EndStop"]
 
@@ -130,6 +131,9 @@ class EndStop(Effect):
         Parameter("lower", "rad", -np.inf, np.inf, "−deflection a' at which the lower stop is touched"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("stiffness_asymmetry", "torque_saturation", "miscalibration")
+
+    def imitates(self, signal: Floats, scene: Scene) -> Collection[str]:
+        return ("stiffness_asymmetry",) if is_one_sided_stiffness(signal, scene) else ()
 
     def forms(self, scene: Scene) -> list[Form]:
         x = scene.signals.smooth_x

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import ClassVar
 
 import numpy as np
 
-from .base import PARTS, Columns, Effect, Floats, Form, Parameter, Part, Scene, share_made
+from .base import PARTS, Columns, Effect, Floats, Form, Parameter, Part, Scene
+from .images import is_shifted_spring
 
 __all__ = ["StiffnessAsymmetry"]
-
-SHIFT = 0.02
-"""Shift of the deflection, over half its range, that shows what any small one does."""
-SHIFTED = 0.99
-"""Share of the energy of what is added that such a shift of the spring would make, from which it is no less that."""
 
 
 def _torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -126,10 +122,8 @@ class StiffnessAsymmetry(Effect):
     # With a constant torque beside it, which is what a shift of a spring makes.
     image_of: ClassVar[tuple[str, ...]] = ("deflection_offset",)
 
-    def imitates(self, signal: Floats, scene: Scene) -> bool:
-        near = SHIFT * scene.signals.reach
-        shifts = (scene.spring_change(scene.signals.x + shift) for shift in (-near, near))
-        return any(share_made(signal, shift) > SHIFTED for shift in shifts)
+    def imitates(self, signal: Floats, scene: Scene) -> Collection[str]:
+        return self.image_of if is_shifted_spring(signal, scene) else ()
 
     def forms(self, scene: Scene) -> list[Form]:
         free = (-np.inf,), (np.inf,)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import ClassVar
 
 import numpy as np
@@ -20,8 +20,8 @@ from .base import (
     Parameter,
     Scene,
     direction_laws,
-    is_constant_friction,
 )
+from .images import is_constant_friction
 
 __all__ = ["StribeckFriction"]
 
@@ -105,8 +105,8 @@ class StribeckFriction(Effect):
     # With what grows with speed beside it, it is constant.
     image_of: ClassVar[tuple[str, ...]] = ("coulomb_friction",)
 
-    def imitates(self, signal: Floats, scene: Scene) -> bool:
-        return is_constant_friction(signal, scene)
+    def imitates(self, signal: Floats, scene: Scene) -> Collection[str]:
+        return self.image_of if is_constant_friction(signal, scene) else ()
 
     def is_degenerate(self, parameters: dict[str, float], scene: Scene) -> bool:
         if "rise" in parameters:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import ClassVar
 
 import numpy as np
@@ -20,6 +21,7 @@ from .base import (
     settling_limits,
     settling_start,
 )
+from .images import is_shifted_spring, is_uniform
 
 __all__ = ["TorqueOffset"]
 
@@ -51,6 +53,10 @@ class TorqueOffset(Effect):
         *SETTLING,
     )
     confused_with: ClassVar[tuple[str, ...]] = ("deflection_offset", "thermal_drift")
+
+    def imitates(self, signal: Floats, scene: Scene) -> Collection[str]:
+        # On a linear spring they are the same.
+        return ("deflection_offset",) if is_shifted_spring(signal, scene) and not is_uniform(signal) else ()
 
     def forms(self, scene: Scene) -> list[Form]:
         s = scene.signals

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import ClassVar
 
 import numpy as np
 
 from ..operators import rms
-from .base import Effect, Floats, Form, Parameter, Scene, at_either_end, between_ends, is_constant_friction, overdone
+from .base import Effect, Floats, Form, Parameter, Scene, at_either_end, between_ends, overdone
+from .images import is_constant_friction
 
 __all__ = ["ViscousFriction"]
 
@@ -72,8 +74,8 @@ class ViscousFriction(Effect):
     # What saturates soon is constant.
     image_of: ClassVar[tuple[str, ...]] = ("coulomb_friction",)
 
-    def imitates(self, signal: Floats, scene: Scene) -> bool:
-        return is_constant_friction(signal, scene)
+    def imitates(self, signal: Floats, scene: Scene) -> Collection[str]:
+        return self.image_of if is_constant_friction(signal, scene) else ()
 
     def forms(self, scene: Scene) -> list[Form]:
         fast = rms(scene.signals.speed)
