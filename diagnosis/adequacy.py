@@ -88,7 +88,7 @@ def is_adequate(evidence: Evidence, hypothesis: Hypothesis, energy: float) -> bo
 
 def emulated(evidence: Evidence, hypothesis: Hypothesis, energy: float) -> float:
     """What the emulator's own error may leave over the noise, where effects act on what it is asked for."""
-    if all(term.effect.acts_on != INPUT for term in hypothesis.terms):
+    if hypothesis.terms and all(term.effect.acts_on != INPUT for term in hypothesis.terms):
         return 0.0
     error = evidence.scene.emulator.error * float(np.std(evidence.scene.signals.y_sim))
     return min(error, AT_MOST_EMULATED * float(np.sqrt(energy))) / evidence.sigma
