@@ -17,7 +17,7 @@ from ..errors import InputError
 from ..models.base import HysteresisModel, Run, parameter_array, parameter_number
 from .diagnosis import Diagnosis
 from .emulation import Emulator, SimulatorScene, emulate
-from .evidence import Term, effect_columns
+from .evidence import Term, effect_columns, elsewhere
 from .generalised import Generalised, motion_of, predict_generalised, spring_of
 from .kinds import KINDS
 from .motion import Motion
@@ -225,7 +225,7 @@ def corrected_simulator(found: Diagnosis, emulator: Emulator) -> CorrectedSimula
     not calibrated beside them either; the formula has them.
     """
     entries, start = [], 0
-    terms, coefficients = _named(found), found.choice.hypothesis.coefficients
+    terms, coefficients = elsewhere(_named(found), found.choice.hypothesis.coefficients)
     for term in terms:
         width = len(term.form.coefficients)
         if not _follows_a_channel(found, term):

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numba import njit
@@ -22,7 +22,7 @@ from .effects.base import INPUT, SENSOR, TORQUE, Effect, Form
 from .emulation import SimulatorScene
 from .operators import rms
 
-__all__ = ["Evidence", "Hypothesis", "Term", "boxed_least_squares", "is_refitted", "trusted"]
+__all__ = ["Evidence", "Hypothesis", "Term", "boxed_least_squares", "elsewhere", "is_refitted", "trusted"]
 
 Floats = NDArray[np.float64]
 Scale = tuple[float, float]
@@ -129,7 +129,8 @@ class Hypothesis:
 
     def signal_on(self, scene: SimulatorScene) -> Floats:
         """What the effects would add on another recording, N·m, shape (n,)."""
-        return effect_columns(scene, self.terms, self.coefficients) @ self.coefficients
+        terms, coefficients = elsewhere(self.terms, self.coefficients)
+        return effect_columns(scene, terms, coefficients) @ coefficients
 
     def part(self, name: str) -> Floats:
         """What one effect adds, N·m, shape (n,)."""
@@ -459,6 +460,17 @@ def effect_columns(scene: SimulatorScene, terms: Sequence[Term], guess: Floats |
     if len(made) == 1:
         return made[0]
     return np.hstack(made) if made else np.empty((torque.size, 0))
+
+
+def elsewhere(terms: Sequence[Term], coefficients: Floats) -> tuple[list[Term], Floats]:
+    """What of terms, and of their ``coefficients`` (k,), holds on other motions."""
+    lasting, kept, start = [], [], 0
+    for term in terms:
+        form = term.form.elsewhere or term.form
+        lasting.append(replace(term, form=form))
+        kept.append(coefficients[start : start + len(form.coefficients)])
+        start += len(term.form.coefficients)
+    return lasting, np.concatenate(kept) if kept else coefficients
 
 
 def are_seen_by_others(terms: Sequence[Term]) -> bool:

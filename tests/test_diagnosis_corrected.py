@@ -17,6 +17,7 @@ from hystbench.bench.console import execute
 from hystbench.datasets.recording_files import read_recording, write_recording
 from hystbench.diagnosis.corrected import calibrated, corrected_simulator, formula
 from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
+from hystbench.diagnosis.operators import lowpass
 from hystbench.diagnosis.signals import Signals
 
 Floats = NDArray[np.float64]
@@ -60,6 +61,25 @@ def test_a_simulator_that_is_off_is_calibrated_anew_in_the_corrected_one(damping
     corrected = corrected_simulator(found, calibrated(found, None))
     for _, x, real, sim in made:
         assert closed_by(corrected.predict(x), real, sim) > 0.97
+
+
+def test_what_relaxed_before_the_recording_began_is_told_and_left_out_elsewhere() -> None:
+    def relaxing(time: Floats, x: Floats) -> Floats:
+        return joint(x) + 1.5 * (x - lowpass(time, x, 3.0))
+
+    time, x = motion(0.31, 1.13, 4000)
+    amid = slice(230, None)
+    real = relaxing(time, x)[amid]
+    found = diagnosed(real, joint(x)[amid], time[amid] - time[230], x[amid])
+    assert found.verdict == ["stress_relaxation"]
+    told = found.choice.hypothesis.parameters("stress_relaxation")
+    assert told["time_constant"] == pytest.approx(3.0, rel=0.03)
+    assert told["stiffness"] == pytest.approx(1.5, rel=0.01)
+    assert told["held"] == pytest.approx(1.5 * (x - lowpass(time, x, 3.0))[230], abs=0.05)
+    assert "held" in formula(found, calibrated(found, None))
+    corrected = corrected_simulator(found, calibrated(found, None))
+    other = motion(0.17, 0.83)
+    assert closed_by(corrected.predict(other[1]), relaxing(*other), joint(other[1])) > 0.99
 
 
 def test_the_formula_says_what_to_scale() -> None:

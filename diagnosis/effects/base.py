@@ -142,6 +142,9 @@ class Form:
     borders : sequence of (bool, bool)
         Whether at the lower and the upper limit of each shape begins another effect, of which the law is only an image
         there; nowhere if empty.
+    elsewhere : Form, optional
+        The law that is left of it on other motions, where what this recording began with is not there; its coefficients are the
+        first of these. By default it is the same.
     equation : str
         What a simulator has to do, in its parameters' names and the words of :mod:`hystbench.diagnosis.notation`; the
         effect's own equation where it is empty.
@@ -159,6 +162,7 @@ class Form:
     start: Callable[[tuple[float, ...], Floats], tuple[float, ...]] | None = None
     overdone: bool = False
     borders: Sequence[tuple[bool, bool]] = ()
+    elsewhere: Form | None = None
     equation: str = ""
 
     @property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -11,6 +12,8 @@ from .base import BOTH, HIGH, LOW, NOT, PARTS, Columns, Effect, Floats, Form, Pa
 
 __all__ = ["StressRelaxation"]
 
+AWAY = 0.02
+"""Deflection of the first sample, over the reach, from which it is not sure that the joint had been at rest."""
 QUICK = 0.25
 """Radians of the motion's mean frequency within which a branch relaxes at least."""
 
@@ -76,6 +79,20 @@ def _law(part: Part, down: bool, *branches: tuple[str, str]) -> tuple[Columns, s
     return (_missing if down else _relaxing)(part.of), f"y {'-' if down else '+'}= {' + '.join(terms)}"
 
 
+def _begun_before(form: Form) -> Form:
+    """The same where the recording begins amid a motion: what the branch held then decays."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        return np.column_stack([form.columns(scene, shape), np.exp(-scene.signals.elapsed / shape[0])])
+
+    return replace(
+        form, name=f"{form.name}, begun before", coefficients=(*form.coefficients, "held"), columns=columns,
+        lower=(*form.lower, -np.inf), upper=(*form.upper, np.inf), grid=(), refines=(form.name,),
+        start=lambda shape, coefficients: shape, elsewhere=form,
+        equation=f"{form.equation} {'-' if '-=' in form.equation else '+'} held * exp(-t / time_constant)",
+    )  # fmt: skip
+
+
 DEFLECTION, TORQUE = Part("x", lambda scene: scene.signals.smooth_x), Part("y", lambda scene: scene.torque)
 SPRING = PARTS["the spring"]
 
@@ -104,6 +121,7 @@ class StressRelaxation(Effect):
             "share_relaxed", "1", 0.0, np.inf, "part of the elastic torque that the simulator has though it relaxes"
         ),
         Parameter("time_constant", "s", 0.0, np.inf, "of the (first) branch"),
+        Parameter("held", "N·m", -np.inf, np.inf, "what the branch held when the recording began amid a motion"),
         Parameter("compliance", "rad/(N·m)", 0.0, np.inf, "1/K, of what creeps in series with the joint"),
         Parameter(
             "springpot",
@@ -170,10 +188,15 @@ class StressRelaxation(Effect):
         pairs = [(a, b) for a in times[::2] for b in times[1::2] if b > 4.0 * a]
         of_two, told_two = _law(DEFLECTION, False, *two("stiffness"))
         of_three, told_three = _law(DEFLECTION, False, *three("stiffness"))
-        return [
+        single = [
             branch("one branch", DEFLECTION, False, "stiffness"),
             branch("of the torque", TORQUE, False),
             branch("from the torque down", TORQUE, True),
+            branch("from the spring down", SPRING, True),
+        ]
+        return [
+            *single,
+            *(_begun_before(form) for form in single if len(s.runs) == 1 and abs(s.smooth_x[0]) > AWAY * s.reach),
             Form("two branches", ("stiffness", "stiffness_2"), of_two, (0.0, 0.0), (np.inf, np.inf),
                  ("time_constant", "time_constant_2"), pairs, [limits, limits], equation=told_two),
             Form("spectrum", ("stiffness", "stiffness_2", "stiffness_3"), _spectrum(of_three), (0.0,) * 3, (np.inf,) * 3,
@@ -188,7 +211,6 @@ class StressRelaxation(Effect):
             Form("creep in series", ("_unit",), _compliant_in_series, (1.0,), (1.0,), ("time_constant", "compliance"), (),
                  [limits, (1e-4 * soft, soft)], ("creep in series, small",), lambda shape, found: (*shape, float(found[0])),
                  borders=[LOW, NOT], equation=in_series),
-            branch("from the spring down", SPRING, True),
             branches("from the torque down, two branches", TORQUE, True, "from the torque down"),
             spectrum("from the torque down, spectrum", TORQUE, True, "from the torque down"),
             branches("from the spring down, two branches", SPRING, True, "from the spring down"),
