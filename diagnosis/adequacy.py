@@ -87,7 +87,10 @@ def is_adequate(evidence: Evidence, hypothesis: Hypothesis, energy: float) -> bo
 
 
 def emulated(evidence: Evidence, hypothesis: Hypothesis, energy: float) -> float:
-    """What the emulator's own error may leave over the noise, where effects act on what it is asked for."""
+    """What the emulator's own error may leave over the noise, where it is asked for what explains the gap.
+
+    That is another deflection, by effects on it, or, without any effect, errors of the simulator's parameters.
+    """
     if hypothesis.terms and all(term.effect.acts_on != INPUT for term in hypothesis.terms):
         return 0.0
     error = evidence.scene.emulator.error * float(np.std(evidence.scene.signals.y_sim))

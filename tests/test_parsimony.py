@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from hystbench.diagnosis import registry
+from hystbench.diagnosis.adequacy import emulated
 from hystbench.diagnosis.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.evidence import Evidence, Term
 from hystbench.diagnosis.operators import plays
@@ -27,6 +28,21 @@ def as_law(evidence: Evidence, name: str, column: np.ndarray) -> Term:
         shapes=(), lower=(-np.inf,), upper=(np.inf,),
     )  # fmt: skip
     return Term(effect, law, ())
+
+
+@pytest.mark.parametrize(("names", "allowed"), [((), True), (("backlash",), True), (("viscous_friction",), False)])
+def test_what_the_emulator_lacks_is_forgiven_where_it_is_asked(names: tuple[str, ...], allowed: bool) -> None:
+    sim = 4.0 * X + 2.0 * STOP
+    noise = 0.02 * np.random.default_rng(1).standard_normal(X.size)
+    recorded = Signals(TIME, X, 1.04 * sim + noise, sim, [slice(0, X.size)], {})
+    inexact = replace(emulate(recorded, None), error=0.01)
+    evidence = Evidence(SimulatorScene(recorded, inexact))
+    energy = float(np.mean(np.square(evidence.gap))) - evidence.sigma**2
+    terms = [as_law(evidence, name, X) for name in names]
+    # A hundredth of what the simulator says, but no more than a tenth of the gap.
+    assert 0.01 * np.std(sim) > 0.1 * np.sqrt(energy)
+    expected = 0.1 * np.sqrt(energy) / evidence.sigma if allowed else 0.0
+    assert emulated(evidence, evidence.fit(terms, ((0.06, 0.1),)), energy) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(("power", "named"), [(0.95, {"thermal_drift"}), (0.85, {"thermal_drift", "cyclic_softening"})])
