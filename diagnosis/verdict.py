@@ -20,7 +20,7 @@ from .names import GAIN, MISCALIBRATION, UNKNOWN
 from .noise import structured_power
 from .one_factor import as_one_factor, factor_of_all, is_too_large
 from .operators import rms
-from .parsimony import fewest, hardly_worse, rather_two, simplest
+from .parsimony import fewest, hardly_worse, rather_errors, rather_two, simplest
 from .priors import BESIDE_OFF, IDLE, STANDS_IN, prior
 from .quantisation import torque_step
 from .rivals import SAME_BY_EYE, TEMPERATURE, effective_share, is_nested, is_poor, recalibration_rivals, weigh
@@ -175,7 +175,7 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     likely = {id(h): h.score + prior(evidence, h, size) for h in found}
     ranked = sorted(found, key=lambda h: -likely[id(h)])
     simple = simplest(evidence, ranked, energy)
-    best = fewest(evidence, ranked, simple, energy)
+    best = rather_errors(evidence, found, fewest(evidence, ranked, simple, energy))
     blank = found[0]
 
     is_far = _is_too_far_off(evidence, blank)

@@ -10,9 +10,9 @@ import pytest
 from hystbench.diagnosis import registry
 from hystbench.diagnosis.adequacy import emulated
 from hystbench.diagnosis.emulation import SimulatorScene, emulate
-from hystbench.diagnosis.evidence import Evidence, Term
+from hystbench.diagnosis.evidence import Evidence, Term, is_refitted
 from hystbench.diagnosis.operators import plays
-from hystbench.diagnosis.parsimony import fewest, rather_two
+from hystbench.diagnosis.parsimony import fewest, rather_errors, rather_two
 from hystbench.diagnosis.signals import Signals
 
 TIME = np.arange(3000) * 0.01
@@ -86,3 +86,31 @@ def test_two_effects_come_before_a_simulator_that_is_off_where_it_does_not_do_ne
     chosen = rather_two(evidence, [blank, *found], blank, energy)
     assert found[-1].beside_exact.score > blank.score
     assert chosen.names == (found[-1].names if both else frozenset())
+
+
+@pytest.mark.parametrize(
+    ("second", "size", "named"),
+    [
+        (0.16 * X - 0.05 * X**3 + 0.06 * STOP, 1.0, {"viscous_friction"}),
+        (np.abs(X), 0.1, {"viscous_friction", "stiffness_asymmetry"}),
+    ],
+    ids=["what errors make", "what they do not make"],
+)
+def test_a_second_effect_is_not_named_for_what_errors_of_the_simulator_make_as_well(
+    second: np.ndarray, size: float, named: set[str]
+) -> None:
+    sim = 4.0 * X + X**3 + 2.0 * STOP
+    first = np.gradient(X, TIME)
+    gap = 0.05 * first + size * second
+    noise = 0.01 * np.random.default_rng(1).standard_normal(X.size)
+    recorded = Signals(TIME, X, sim + gap + noise, sim, [slice(0, X.size)], {})
+    evidence = Evidence(SimulatorScene(recorded, emulate(recorded, None)))
+    terms = [as_law(evidence, "viscous_friction", first), as_law(evidence, "stiffness_asymmetry", second)]
+    found = [evidence.fit(terms[:count]) for count in (0, 1, 2)]
+    # The second law is off by what is hardly seen.
+    terms[1] = as_law(evidence, "stiffness_asymmetry", second + 0.0018 / size * np.cos(3.0 * TIME))
+    both = evidence.fit(terms, evidence.exact)
+    assert both.score > found[1].score
+    best = rather_errors(evidence, found, both)
+    assert best.names == named
+    assert is_refitted(best.scale) == (len(named) == 1)
