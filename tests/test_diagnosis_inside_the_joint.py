@@ -167,6 +167,16 @@ def test_a_law_of_another_hand_is_named(law: str) -> None:
     assert diagnosed(made()).verdict == [expected]
 
 
+@pytest.mark.parametrize(("frequency", "verdict"), [(14.8, "unknown"), (20.0, "inertia")])
+def test_a_mass_that_resonates_near_the_motions_band_is_no_inertia(frequency: float, verdict: str) -> None:
+    # The fastest tone is at 10 rad/s.
+    begun = 1.0 - np.exp(-TIME)
+    x = (0.5 * np.sin(1.1 * TIME) + 0.3 * np.sin(0.37 * TIME) + 0.05 * np.sin(10.0 * TIME)) * begun
+    mass = ([0.02 * frequency**2, 0.0, 0.0], [1.0, 0.1 * frequency, frequency**2])
+    real = joint(x) + np.asarray(lsim(mass, x, TIME)[1]) + NOISE * np.random.default_rng(1).standard_normal(x.size)
+    assert diagnose(Signals(TIME, x, real, joint(x), [slice(0, x.size)], {})).verdict == [verdict]
+
+
 @pytest.mark.parametrize(
     "law",
     [

@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
+from scipy.signal import periodogram
 
+from ..signals import Signals
 from .base import (
     LOW,
     NOT,
@@ -25,6 +27,18 @@ __all__ = ["Inertia"]
 
 AT_REST = 0.1
 """Speed, over its standard deviation, that is standing still."""
+MOVING = 0.99
+"""Share of the speed's power below the end of the band in which the motion is."""
+ABOVE = 1.5
+"""Natural frequency over that end from which a mass on a spring is an inertia."""
+
+
+def _band(signals: Signals) -> float:
+    """The end of the band in which the motion is, rad/s."""
+    run = max(signals.runs, key=lambda each: each.stop - each.start)
+    frequency, power = periodogram(signals.speed[run], 1.0 / signals.interval)
+    within = np.cumsum(power)
+    return float(2.0 * np.pi * frequency[np.searchsorted(within, MOVING * within[-1])])
 
 
 def _columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -93,7 +107,7 @@ class Inertia(Effect):
         pace = speed / max(acceleration, 1e-300)
         longest = max(0.15 * pace, 0.1 * step)
         # Within the motion's band it would be a resonance, which is another matter; faster than sampled, it is rigid.
-        swings = (2.0 * acceleration / max(speed, 1e-300), 0.7 / step)
+        swings = (max(2.0 * acceleration / max(speed, 1e-300), ABOVE * _band(signals)), 0.7 / step)
         free = (0.0,), (np.inf,)
         size = f"{stroke(scene):.8g}"
         ends = "inertia_upper", "inertia_lower"
@@ -111,7 +125,8 @@ class Inertia(Effect):
                  f"+ (inertia_ends - inertia_middle) * x * (v / {size})**2"),
             Form("behind a shaft", ("inertia",), _behind_shaft, *free, ("shaft_lag",), (), [(0.02 * step, longest)], ("rigid",),
                  lambda shape, coefficients: (min(step, 0.5 * longest),), equation="y += inertia * late(a, shaft_lag)"),
-            Form("behind a compliant transmission", ("inertia",), _on_spring, *free, ("natural_frequency", "damping_ratio"),
-                 [(w, d) for w in geometric(*swings, 10) for d in (0.04, 0.2)], [swings, (0.005, 0.3)],
-                 borders=[LOW, NOT], equation="y += inertia * resonator(a, natural_frequency, damping_ratio)"),
+            *([Form("behind a compliant transmission", ("inertia",), _on_spring, *free, ("natural_frequency", "damping_ratio"),
+                    [(w, d) for w in geometric(*swings, 10) for d in (0.04, 0.2)], [swings, (0.005, 0.3)],
+                    borders=[LOW, NOT], equation="y += inertia * resonator(a, natural_frequency, damping_ratio)")]
+              if swings[0] < swings[1] else []),
         ]  # fmt: skip
