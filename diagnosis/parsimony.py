@@ -34,7 +34,6 @@ FURTHER = 0.05
 TWO, ONE = 0.014, 0.1
 """Evidence a sample that two effects beside an exact simulator must bring beyond a simulator that is off, and beyond one effect
 beside an exact one."""
-
 SECOND = 0.006
 """Evidence a sample that a second effect beside an exact simulator must bring beyond the errors of one that is off; of 80 such pairs
 of strangers, but for gains, it was 0.0083 at least."""
