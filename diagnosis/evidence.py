@@ -277,9 +277,9 @@ class Evidence:
         kept = singular > max(NOTICEABLE, 1e-5 * float(singular[0]))
         self._singular, self._right = singular[kept], right[kept]
         # Combinations of tangents that are as well on every sample, those that this fit does not see included.
-        self._to_basis = weights[:, None] * (right[kept].T / singular[kept])
+        self._to_basis = weights[:, None] * (self._right.T / self._singular)
         self._basis = tangents @ self._to_basis
-        factor = singular[kept, None] * right[kept]
+        factor = self._singular[:, None] * self._right
         split = structure.shape[1]
         self._gap_in_basis = self._basis.T @ self.gap
         self.gap_energy = float(self.gap @ self.gap)

@@ -23,5 +23,6 @@ def is_strained(evidence: Evidence) -> bool:
     emulator, errors = evidence.scene.emulator, evidence.errors()
     errors[: emulator.structure.shape[1]] *= FINE
     # A preload is what is left of larger ones that cancel: how far it is off says nothing.
-    told = errors[np.ptp(np.hstack([emulator.structure, emulator.bulk]), axis=0) > 0.0]
+    varies = np.concatenate([np.ptp(tangents, axis=0) for tangents in (emulator.structure, emulator.bulk)]) > 0.0
+    told = errors[varies]
     return float(told @ told) > BELIEVED or float(np.max(np.abs(told), initial=0.0)) > LARGEST

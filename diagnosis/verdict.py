@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -12,10 +11,10 @@ from numpy.typing import NDArray
 from .adequacy import ALMOST_ALL, emulated, forgiven_here, is_adequate, left_by, left_to_noise
 from .calibration import CONFIDENCE, confidence
 from .clocks import OtherClock, follows_another_clock
-from .emulation import SimulatorScene
-from .evidence import FINE, Evidence, Hypothesis, Term, count_unknowns, is_refitted
+from .evidence import FINE, Evidence, Hypothesis, count_unknowns, is_refitted
 from .heldout import HeldOut, held_out
 from .hum import hum
+from .imitation import Image, imaged_by, imitations, without_image
 from .names import GAIN, MISCALIBRATION, UNKNOWN
 from .noise import structured_power
 from .one_factor import as_one_factor, factor_of_all, is_too_large
@@ -85,15 +84,6 @@ RECALIBRATION_SHARE_POOR = 0.3
 
 
 @dataclass(frozen=True)
-class Image:
-    """A law that explains the gap but may be the image of an effect that is not known here."""
-
-    term: Term
-    of: Sequence[str]
-    """Ids of what would look the same; of a law at the end of its range, of what it may be there."""
-
-
-@dataclass(frozen=True)
 class Choice:
     """The verdict and what it rests on."""
 
@@ -140,9 +130,9 @@ def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     choice = _chosen(evidence, found)
     if any(image.term.is_an_image for image in choice.images):
         # What a law at the end of its range is the image of may be known, and explain the gap itself.
-        again = _chosen(evidence, [_without_image(h) for h in found if not h.images])
+        again = _chosen(evidence, [without_image(h) for h in found if not h.images])
         if again.verdict != [UNKNOWN] and (
-            again.hypothesis.names in _imaged_by(choice.hypothesis)
+            again.hypothesis.names in imaged_by(choice.hypothesis)
             or _is_as_good(evidence, again.hypothesis, choice.hypothesis)
         ):
             return again
@@ -161,12 +151,6 @@ def _as_itself(evidence: Evidence, hypothesis: Hypothesis, size: float) -> Hypot
     return replace(hypothesis, beside_exact=None) if close and prior(evidence, close, size) == -np.inf else hypothesis
 
 
-def _without_image(hypothesis: Hypothesis) -> Hypothesis:
-    """The same without another law of its effects beside an exact simulator that is an image."""
-    close = hypothesis.beside_exact
-    return replace(hypothesis, beside_exact=None) if close and close.images else hypothesis
-
-
 def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     floor = evidence.sigma
     energy = max(float(np.mean(np.square(evidence.gap))) - floor**2, 1e-6 * floor**2)
@@ -179,7 +163,7 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     blank = found[0]
 
     is_far = _is_too_far_off(evidence, blank)
-    is_beyond_belief = not evidence.fitted and is_strained(evidence)
+    strained = not evidence.fitted and is_strained(evidence)
     is_enough = is_adequate(evidence, blank, energy)
 
     def is_needed(hypothesis: Hypothesis) -> bool:
@@ -187,7 +171,7 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         enough = is_enough and not _makes_right(evidence, hypothesis, blank)
         least = max(BESIDE_OFF * pliable, BESIDE_ENOUGH if enough else 0.0) * evidence.effective
         # Errors beyond belief are no measure for what spares the simulator them.
-        is_free = is_far or (is_beyond_belief and _is_nearer(hypothesis, blank))
+        is_free = is_far or (strained and _is_nearer(hypothesis, blank))
         return hypothesis.score - blank.score >= (IDLE if is_free else least)
 
     if not simple.terms and not evidence.fitted:
@@ -213,7 +197,7 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         ranked = [hardly_worse(evidence, h) for h in ranked]
         likely |= {id(h): h.score + prior(evidence, h, size) for h in ranked if id(h) not in likely}
         ranked.sort(key=lambda h: -likely[id(h)])
-    field = _Field(evidence, found, ranked, np.array([likely[id(h)] for h in ranked]), energy)
+    field = _Field(evidence, found, ranked, np.array([likely[id(h)] for h in ranked]), energy, strained)
     choice = _stated(field, best, own, refit)
     doubtful = choice.verdict == [UNKNOWN] and evidence.is_beside_refit(best)
     return _rather_one(field, best, choice, size) if doubtful else choice
@@ -231,6 +215,8 @@ class _Field:
     """Of those ranked, shape (m,), with their prior odds."""
     energy: float
     """Mean square of the gap beyond the noise."""
+    strained: bool
+    """Whether the simulator's errors that make the gap by themselves are beyond belief."""
 
     def scored(self) -> list[tuple[Hypothesis, float]]:
         """Those ranked, each with its score."""
@@ -311,9 +297,9 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
         verdict = [UNKNOWN]
     elif not evidence.fitted:
         images = [Image(term, term.effect.image_of) for term in best.images]
-        images = images or _imitations(evidence.scene, found, best, refit.recalibration)
+        images = images or imitations(evidence.scene, found, best, refit.recalibration)
         factor = factor_of_all(evidence, found, energy) if verdict == [MISCALIBRATION] else 0.0
-        strained = verdict == [MISCALIBRATION] and is_strained(evidence)
+        strained = verdict == [MISCALIBRATION] and field.strained
         clock = follows_another_clock(evidence, best, found)
         blamed = bool(images or factor or clock or strained)
         verdict = [UNKNOWN] if blamed else verdict
@@ -343,29 +329,6 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
         posterior, odds, list(field.ranked), recalibration_rivals(evidence, verdict, best, own, found, tempered), tempered,
         step, frequency, standing_out, rough, images, clock, strained, factor,
     )  # fmt: skip
-
-
-def _imitations(
-    scene: SimulatorScene, found: Sequence[Hypothesis], best: Hypothesis, recalibration: Floats
-) -> list[Image]:
-    """Those of its terms that add no less what another effect would which is not known here to compete.
-
-    By themselves, or together with what others and the simulator's ``recalibration`` (n,) make of it.
-    """
-    known = set().union(*(hypothesis.names for hypothesis in found))
-    together = best.signal, best.signal + recalibration
-    made = []
-    for term in best.terms:
-        imitated = (term.effect.imitates(signal, scene) for signal in (best.part(term.effect.id), *together))
-        if others := set().union(*imitated) - known:
-            made.append(Image(term, sorted(others)))
-    return made
-
-
-def _imaged_by(hypothesis: Hypothesis) -> set[frozenset[str]]:
-    """The sets of effects of which a hypothesis with images may be the image."""
-    instead = (term.effect.image_of if term.is_an_image else (term.effect.id,) for term in hypothesis.terms)
-    return {frozenset(names) for names in itertools.product(*instead)}
 
 
 def _either_of_two(

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from development import developed
 from joints import clearance, dahl, sliders
 from motions import swelling
 from numpy.typing import NDArray
@@ -17,9 +18,8 @@ from hystbench.bench.cells import fitted_on
 from hystbench.datasets import Dataset, DatasetUnavailableError, Recording, concatenate
 from hystbench.datasets.recording_files import DEFAULT_TIME, DEFAULT_X, write_recording
 from hystbench.diagnosis.adequacy import forgiven
-from hystbench.diagnosis.blind.cases import DEVELOPMENT_PLANTS, Case, bank
-from hystbench.diagnosis.blind.plants import plant_of
-from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
+from hystbench.diagnosis.blind.cases import DEVELOPMENT_PLANTS
+from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.excitation import design_next, margins
 from hystbench.diagnosis.from_benchmark import diagnose_model, gap_signals
 from hystbench.diagnosis.inputs import read_inputs
@@ -57,14 +57,6 @@ def signals_of(
 ) -> Signals:
     noise = noise_level * np.random.default_rng(seed).standard_normal(x.size)
     return Signals(time, x, y_real + noise, y_sim, [slice(0, x.size)], {})
-
-
-def developed(seed: int, *plants: str) -> tuple[Case, Diagnosis]:
-    """A case of the development bank (of the varied plant, if none is named) and what is said of it."""
-    (case,) = [case for case in bank(plants or ("varied",), 1, 1000 * (seed // 1000)) if case.seed == seed]
-    joint, time, x = plant_of(case, 45.0)
-    made = joint.record(time, x, np.random.default_rng([case.seed, 3]))
-    return case, diagnose(made.signals, exclude=case.excluded)
 
 
 # ---- a simulator that is off -----------------------------------------------------------------------------------------

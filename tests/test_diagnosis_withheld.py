@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from development import developed
 from joints import sliders
 from motions import swelling
 from numpy.typing import NDArray
 
-from hystbench.diagnosis.blind.cases import DEVELOPMENT_PLANTS, bank
-from hystbench.diagnosis.blind.plants import plant_of
+from hystbench.diagnosis.blind.cases import DEVELOPMENT_PLANTS
 from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
 from hystbench.diagnosis.effects.stribeck_friction import StribeckFriction
 from hystbench.diagnosis.emulation import SimulatorScene
@@ -95,11 +95,8 @@ def test_a_shift_of_the_spring_is_not_blamed_on_an_offset_of_the_torque_and_its_
 
 def test_an_offset_of_the_torque_is_not_blamed_on_one_of_the_deflection_that_the_simulators_errors_make_even() -> None:
     # By itself the offset of the deflection adds more where the spring is stiffer.
-    (case,) = [case for case in bank(DEVELOPMENT_PLANTS, 1, 61000) if case.seed == 61236]
-    plant, time, x = plant_of(case, 45.0)
-    signals = plant.record(time, x, np.random.default_rng([case.seed, 3])).signals
+    case, withheld = developed(61236, *DEVELOPMENT_PLANTS)
     assert case.excluded == ("torque_offset",)
-    withheld = diagnose(signals, exclude=case.excluded)
     assert withheld.choice.hypothesis.names == {"deflection_offset"}
     assert withheld.verdict == ["unknown"]
 

@@ -115,7 +115,7 @@ class Inertia(Effect):
         turning = f"(inertia_upper - inertia_lower) / {size} / 4 * v**2"
         both = (0.0,) * 2, (np.inf,) * 2
         rigid = Form("rigid", ("inertia",), _columns, *free, equation="y += inertia * a")
-        return [
+        made = [
             rigid,
             overdone(rigid),
             Form("by position", ends, _by_position, *both, equation=f"y += {changing}"),
@@ -125,8 +125,11 @@ class Inertia(Effect):
                  f"+ (inertia_ends - inertia_middle) * x * (v / {size})**2"),
             Form("behind a shaft", ("inertia",), _behind_shaft, *free, ("shaft_lag",), (), [(0.02 * step, longest)], ("rigid",),
                  lambda shape, coefficients: (min(step, 0.5 * longest),), equation="y += inertia * late(a, shaft_lag)"),
-            *([Form("behind a compliant transmission", ("inertia",), _on_spring, *free, ("natural_frequency", "damping_ratio"),
-                    [(w, d) for w in geometric(*swings, 10) for d in (0.04, 0.2)], [swings, (0.005, 0.3)],
-                    borders=[LOW, NOT], equation="y += inertia * resonator(a, natural_frequency, damping_ratio)")]
-              if swings[0] < swings[1] else []),
         ]  # fmt: skip
+        if swings[0] < swings[1]:
+            made.append(
+                Form("behind a compliant transmission", ("inertia",), _on_spring, *free, ("natural_frequency", "damping_ratio"),
+                     [(w, d) for w in geometric(*swings, 10) for d in (0.04, 0.2)], [swings, (0.005, 0.3)],
+                     borders=[LOW, NOT], equation="y += inertia * resonator(a, natural_frequency, damping_ratio)")
+            )  # fmt: skip
+        return made

@@ -88,8 +88,7 @@ def _begun_before(form: Form) -> Form:
     return replace(
         form, name=f"{form.name}, begun before", coefficients=(*form.coefficients, "held"), columns=columns,
         lower=(*form.lower, -np.inf), upper=(*form.upper, np.inf), grid=(), refines=(form.name,),
-        start=lambda shape, coefficients: shape, elsewhere=form,
-        equation=f"{form.equation} {'-' if '-=' in form.equation else '+'} held * exp(-t / time_constant)",
+        elsewhere=form, equation=f"{form.equation} {'-' if '-=' in form.equation else '+'} held * exp(-t / time_constant)",
     )  # fmt: skip
 
 
