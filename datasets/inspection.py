@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from ..models.motion import auto_dead_band, noise_level, turning_points
+from ..models.motion import auto_dead_band, noise_level, quantum, turning_points
 from .base import Recording
 from .loops import Loop, classes, closed_loops, open_loop
 
@@ -232,31 +232,6 @@ def _sampling(time: Floats) -> Sampling:
     # What rounding of large time stamps makes is not the sampling's.
     rounding = 4.0 * np.spacing(np.abs(time).max()) / median
     return Sampling(time.size, float(time[-1] - time[0]), median, 0.0 if jitter < rounding else jitter, gaps)
-
-
-def quantum(values: Floats) -> float | None:
-    """The step of which all differences of ``values`` are multiples; None where there is none.
-
-    Steps of less than 1e-7 of the range are taken for the rounding of printed digits, and steps that all neighbours in
-    time differ by for the speed of an even motion.
-    """
-    levels = np.unique(values)
-    span = float(levels[-1] - levels[0])
-    steps = np.diff(levels)
-    # The same level in two roundings is one level.
-    steps = steps[steps > 1e-9 * span]
-    if steps.size < 2 or (levels.size > values.size / 2 and steps.size < 8):
-        return None
-    found = float(steps.min())
-    for _ in range(3):
-        multiples = np.round(steps / found)
-        found = float(np.median(steps / multiples))
-    if found < 1e-7 * span or np.abs(steps / found - np.round(steps / found)).max() > 0.05:
-        return None
-    moves = np.round(np.abs(np.diff(values)) / found)
-    if np.unique(moves, return_counts=True)[1].max() > 0.8 * moves.size and np.median(moves) > 0.0:
-        return None
-    return found
 
 
 # ---- what the loops depend on --------------------------------------------------------------------------------------

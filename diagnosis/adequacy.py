@@ -63,9 +63,13 @@ def left_by(evidence: Evidence, hypothesis: Hypothesis) -> float:
 
 
 def forgiven_here(evidence: Evidence, gap: float, bent: bool) -> float:
-    """What a law may leave goes with the gap over the sensor's own noise, however coarsely the misfit is judged."""
-    finer = evidence.sigma / evidence.scene.signals.noise_floor
-    return forgiven(gap * finer, bent, evidence.fitted) / finer
+    """What a law may leave goes with the gap over the sensor's own noise, however coarsely the misfit is judged.
+
+    What the deflection's noise leaves is no law's.
+    """
+    signals = evidence.scene.signals
+    finer = evidence.sigma / signals.noise_floor
+    return float(np.hypot(forgiven(gap * finer, bent, evidence.fitted) / finer, signals.jitter / evidence.sigma))
 
 
 def forgiven(gap: float, refitted: bool, fitted: bool = False) -> float:

@@ -17,6 +17,7 @@ from .effects.base import Effect
 from .emulation import SimulatorScene, emulate
 from .evidence import Evidence, Hypothesis
 from .heldout import HeldOut, closed_share, held_out
+from .jitter import without_jitter
 from .names import MISCALIBRATION, UNKNOWN
 from .noise import structured_power
 from .operators import rms
@@ -211,8 +212,11 @@ def diagnose(
     if not effects:
         raise InputError("every effect is excluded; leave at least one")
     emulator = emulate(signals, model)
+    rmse = rms(signals.gap[signals.judged])
     if fitted:
         emulator = refitted_beside(signals, model, emulator, effects)
+    else:
+        signals, emulator = without_jitter(signals, emulator)
     scene = SimulatorScene(signals, emulator)
     library, found, choice = _explain(Evidence(scene, fitted=fitted), effects)
     calm = False
@@ -239,6 +243,11 @@ def diagnose(
     if model is None:
         notes.append(
             f"the simulator is emulated by {emulator.name}, error {100.0 * emulator.error:.2g} % of its output"
+        )
+    if signals.recorded is not None:
+        notes.append(
+            f"the simulator's output shows the noise of the recorded deflection ({rms(signals.recorded - signals.x):.2g}): what that"
+            " makes of it was taken out"
         )
     if not signals.timed:
         notes.append("no time was recorded, so nothing can be said of rates and of drifts")
@@ -272,7 +281,7 @@ def diagnose(
         signals=signals,
         verdict=choice.verdict,
         confidence=choice.confidence,
-        rmse=rms(signals.gap[signals.judged]),
+        rmse=rmse,
         noise_floor=floor,
         closed_by_recalibration=closed_by_recalibration,
         closed_in_all=closed_in_all,

@@ -25,11 +25,13 @@ from ..errors import InputError
 from .generalised import Generalised, motion_of, relative_error, spring_of, strength_of
 from .signals import Signals
 
-__all__ = ["Emulator", "SimulatorScene", "answers_of", "emulate"]
+__all__ = ["GENERALISED", "Emulator", "SimulatorScene", "answers_of", "emulate"]
 
 Floats = NDArray[np.float64]
 # Registered models that compete with the built-in emulator, in seconds rather than minutes.
 COMPETITORS = "prandtl-ishlinskii", "modified-prandtl-ishlinskii", "preisach", "dahl", "duhem"
+GENERALISED = "generalised"
+"""Name of the built-in emulator among what rebuilds one."""
 RIVALLED = 0.002
 """Error, as a share of the output, from which they compete."""
 REMEMBERED = 48
@@ -163,7 +165,7 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
         own.predict,
         own.anew,
         *own.tangent(),
-        {"model": "generalised", "parameters": own.parameters()},
+        {"model": GENERALISED, "parameters": own.parameters()},
         own.parameters(),
     )
     for name in COMPETITORS if own.error > RIVALLED else ():

@@ -294,6 +294,7 @@ class Evidence:
             self._modes[scale] = absorbed, rotation, 0.5 * float(np.sum(np.log1p(self.thinning * ratio)))
         self._parts: dict[bytes, Evidence] = {}
         self.inadequacy = (INADEQUACY**2) * max(self.gap_energy / self.gap.size - self.sigma**2, 0.0)
+        self.inadequacy += scene.signals.jitter**2
 
     @property
     def size(self) -> int:

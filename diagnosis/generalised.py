@@ -227,15 +227,7 @@ class Generalised:
         return _elastic(self.motion.x, self.reach), elements, np.hstack([placed * w[:, None] for w in _weights(u)])
 
     def predict(self, x: Floats) -> Floats:
-        signals = self.signals
-        change = x - signals.x
-        speed, acceleration = signals.speed, signals.acceleration
-        if np.any(change):
-            # The change is far smoother than the measured input, so it may be differentiated as it is.
-            added = signals.slope(change)
-            speed = speed + added
-            acceleration = acceleration + signals.slope(added)
-        return predict_generalised(self.parameters(), Motion(signals.time, x, speed, acceleration, signals.runs))
+        return predict_beside(self.parameters(), self.signals, x)
 
     def anew(self, x: Floats) -> Floats:
         """Output over one new motion, sampled as the recordings are."""
@@ -282,6 +274,18 @@ class Generalised:
         small = whole < shared
         kept = ~small[coarse] & (sizes > 0.0)
         return np.hstack([elements[:, kept] * sizes[kept], elements[:, central[small]] * shared[small]])
+
+
+def predict_beside(parameters: Mapping[str, Any], signals: Signals, x: Floats) -> Floats:
+    """Output of what was identified for another input ``x`` (n,) at the samples of ``signals``."""
+    change = x - signals.x
+    speed, acceleration = signals.speed, signals.acceleration
+    if np.any(change):
+        # The change is far smoother than the measured input, so it may be differentiated as it is.
+        added = signals.slope(change)
+        speed = speed + added
+        acceleration = acceleration + signals.slope(added)
+    return predict_generalised(parameters, Motion(signals.time, x, speed, acceleration, signals.runs))
 
 
 def relative_error(predicted: Floats, wanted: Floats) -> float:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, median_filter
 from scipy.signal import savgol_coeffs, savgol_filter
 
-from ..models.motion import directions, noise_level, turning_points
+from ..models.motion import directions, noise_level, quantum, turning_points
 from .fractional import fractional
 from .masses import resonated
 from .noise import FARTHEST, independent, noise_levels
@@ -35,7 +35,11 @@ KNOCK, KNOCK_SAMPLES, MOST_KNOCKS = 6.0, 4, 0.35
 """How far a knock leaves the running median (noise levels), how long it lasts at most, and the most of a recording."""
 CERTAIN = 2.5
 """Standard deviations of the speed's noise below which there may be no motion at all."""
-WINDOWS = (5, 7, 9, 13, 17, 23, 31, 41, 55, 75)
+COUNTED = 0.02
+"""Share of the deflection's range up to which a step is an encoder's; longer ones are levels that were gone to."""
+HARDLY_MORE, LITTLE_MORE = 1.03, 1.1
+"""Noise levels that smoothing may leave of a series, which it bends before its slope, and where its slope is asked for."""
+WINDOWS = (5, 7, 9, 13, 17, 23, 31, 41, 55, 75, 101, 137, 185, 251)
 
 
 @dataclass(frozen=True)
@@ -56,6 +60,10 @@ class Signals:
         Whether ``time`` was measured; otherwise it numbers the samples.
     warm_up : bool array, shape (n,), optional
         Samples at which an unrecorded history still shows: they make memory, but are not judged.
+    recorded : array, shape (n,), optional
+        The deflection as its sensor gave it, rad, where ``x`` is without the sensor's noise.
+    jitter : float
+        What of that noise smoothing has left makes of the simulator's output, N·m.
     """
 
     time: Floats
@@ -67,6 +75,8 @@ class Signals:
     unit: str = "N·m"
     timed: bool = True
     warm_up: NDArray[np.bool_] | None = None
+    recorded: Floats | None = None
+    jitter: float = 0.0
 
     # ---- what follows from them ------------------------------------------------------------------------------------
 
@@ -135,9 +145,14 @@ class Signals:
         """Half the range of the deflection, rad."""
         return 0.5 * float(np.ptp(self.x))
 
+    @property
+    def _measured(self) -> Floats:
+        """The deflection with its sensor's noise, rad."""
+        return self.x if self.recorded is None else self.recorded
+
     @cached_property
     def _motion(self) -> tuple[Floats, Floats, Floats]:
-        parts = [differentiate(self.time[run], self.x[run]) for run in self.runs]
+        parts = [differentiate(self.time[run], self._measured[run]) for run in self.runs]
         smooth, speed, acceleration = (np.concatenate(series) for series in zip(*parts, strict=True))
         return smooth, speed, acceleration
 
@@ -156,8 +171,9 @@ class Signals:
         """dx/dt less what the deflection's noise may have made of it, rad/s: rest is rest, and no creeping to and fro."""
         noise = np.empty_like(self.x)
         for run in self.runs:
-            level = noise_level(self.x[run])
-            coefficients = savgol_coeffs(_window(self.x[run], level), 3, deriv=1, delta=self.interval)
+            x = self._measured[run]
+            level = _deviation(x, x)
+            coefficients = savgol_coeffs(_windows(x, level)[1], 3, deriv=1, delta=self.interval)
             noise[run] = level * float(np.linalg.norm(coefficients))
         # Away from rest hardly anything is taken off.
         size = np.abs(self.speed)
@@ -174,7 +190,7 @@ class Signals:
 
     @cached_property
     def _dead_band(self) -> float:
-        noise = max(noise_level(self.x[run] - self.smooth_x[run]) for run in self.runs)
+        noise = max(noise_level(self._measured[run] - self.smooth_x[run]) for run in self.runs)
         return min(3.0 * noise + 1e-4 * self.reach, 0.05 * self.reach)
 
     @cached_property
@@ -291,18 +307,32 @@ class Signals:
         return self.per_run(lambda run: self.time[run] - self.time[run][0])
 
 
-def _window(series: Floats, noise: float) -> int:
-    """Samples of the widest local cubic that leaves no more than white ``noise`` behind."""
-    window = 5
-    for wider in WINDOWS[1:]:
-        if wider > series.size // 2:
+def _deviation(series: Floats, recorded: Floats) -> float:
+    """Standard deviation of a deflection's sensor noise, rad, of samples at even times: of counts at least what counting makes.
+
+    Differences of counts are whole numbers, few where the joint moves by about one count a sample, so that their median may be
+    far off.
+    """
+    level, step = noise_level(series), quantum(recorded)
+    if step is None or step > COUNTED * np.ptp(recorded):
+        return level
+    return max(min(level, rms(np.diff(series, 4)) / np.sqrt(70.0)), step / np.sqrt(12.0))
+
+
+def _windows(series: Floats, noise: float) -> tuple[int, int]:
+    """Samples of the widest local cubics, for the series itself and for its slope, that leave no more than white ``noise``."""
+    position = slope = WINDOWS[0]
+    for window in WINDOWS[1:]:
+        if window > series.size // 2:
             break
-        left = series - savgol_filter(series, wider, 3)
         # A local cubic over w samples passes on about 9/(4 w) of the noise's energy.
-        if np.sqrt(np.mean(np.square(left))) > 1.1 * noise * np.sqrt(1.0 - 2.25 / wider):
+        left = rms(series - savgol_filter(series, window, 3)) / np.sqrt(1.0 - 2.25 / window)
+        if left <= HARDLY_MORE * noise:
+            position = window
+        if left > LITTLE_MORE * noise:
             break
-        window = wider
-    return window
+        slope = window
+    return position, slope
 
 
 def differentiate(time: Floats, x: Floats) -> tuple[Floats, Floats, Floats]:
@@ -312,13 +342,13 @@ def differentiate(time: Floats, x: Floats) -> tuple[Floats, Floats, Floats]:
     uniform = bool(np.all(np.abs(steps - step) <= 0.02 * step))
     clock = time if uniform else np.linspace(time[0], time[-1], round((time[-1] - time[0]) / step) + 1)
     series = x if uniform else np.interp(clock, time, x)
-    noise = noise_level(series)
-    window = _window(series, noise)
+    noise = _deviation(series, x)
+    narrow, window = _windows(series, noise)
     if series.size < 2 * window:
         speed = np.gradient(series, clock)
         found = series, speed, np.gradient(speed, clock)
     else:
-        smooth = savgol_filter(series, window, 3) if noise > 1e-9 * np.ptp(series) else series
+        smooth = savgol_filter(series, narrow, 3) if noise > 1e-9 * np.ptp(series) else series
         found = (
             smooth,
             savgol_filter(series, window, 3, deriv=1, delta=step),

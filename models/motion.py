@@ -10,7 +10,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["auto_dead_band", "directions", "noise_level", "rough_differences", "settled_from", "turning_points"]
+__all__ = [
+    "auto_dead_band", "directions", "noise_level", "quantum", "rough_differences", "settled_from", "turning_points",
+]  # fmt: skip
 
 Floats = NDArray[np.float64]
 
@@ -27,6 +29,31 @@ def noise_level(signal: Floats) -> float:
 def rough_differences(signal: Floats) -> Floats:
     """Fourth differences, shape (n - 4,), about the samples in their middle, whose median is the deviation of white noise."""
     return np.asarray(np.abs(np.diff(signal, 4)) / (0.6744897501960817 * np.sqrt(70.0)))
+
+
+def quantum(values: Floats) -> float | None:
+    """The step of which all differences of ``values`` are multiples; None where there is none.
+
+    Steps of less than 1e-7 of the range are taken for the rounding of printed digits, and steps that all neighbours in
+    time differ by for the speed of an even motion.
+    """
+    levels = np.unique(values)
+    span = float(levels[-1] - levels[0])
+    steps = np.diff(levels)
+    # The same level in two roundings is one level.
+    steps = steps[steps > 1e-9 * span]
+    if steps.size < 2 or (levels.size > values.size / 2 and steps.size < 8):
+        return None
+    found = float(steps.min())
+    for _ in range(3):
+        multiples = np.round(steps / found)
+        found = float(np.median(steps / multiples))
+    if found < 1e-7 * span or np.abs(steps / found - np.round(steps / found)).max() > 0.05:
+        return None
+    moves = np.round(np.abs(np.diff(values)) / found)
+    if np.unique(moves, return_counts=True)[1].max() > 0.8 * moves.size and np.median(moves) > 0.0:
+        return None
+    return found
 
 
 def auto_dead_band(signal: Floats) -> float:

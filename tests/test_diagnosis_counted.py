@@ -1,0 +1,89 @@
+"""Deflections that an encoder counts: the joint moves smoothly, the recording and a simulator that is fed with it do not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from joints import sliders
+from numpy.typing import NDArray
+
+from hystbench.diagnosis.diagnosis import diagnose
+from hystbench.diagnosis.emulation import emulate
+from hystbench.diagnosis.jitter import without_jitter
+from hystbench.diagnosis.operators import rms
+from hystbench.diagnosis.signals import Signals
+
+Floats = NDArray[np.float64]
+NOISE = 0.08
+
+
+def motion(interval: float, duration: float = 30.0) -> tuple[Floats, Floats]:
+    """Time and deflection of three tones from rest, each of shape (n,)."""
+    time = np.arange(round(duration / interval)) * interval
+    tones = ((0.35, 0.23, 0.4), (0.2, 0.71, 2.0), (0.04, 1.9, 1.1))
+    start = np.clip(0.5 * time, 0.0, 1.0)
+    x = sum(size * np.sin(2.0 * np.pi * pace * time + phase) for size, pace, phase in tones)
+    return time, np.asarray(x * start**2 * (3.0 - 2.0 * start))
+
+
+def joint(x: Floats) -> Floats:
+    return np.asarray(45.0 * x + 25.0 * x**3 + sliders(x, ((150.0, 1.2), (30.0, 0.9), (8.0, 0.6))))
+
+
+def recorded(interval: float, count: float, added: str = "", fed: bool = True) -> Signals:
+    """The joint with one effect, and its simulator, which is fed with the counts or knows the true deflection."""
+    time, x = motion(interval)
+    speed = np.gradient(x, time)
+    torque = joint(x)
+    gap = {"": 0.0 * x, "viscous_friction": speed, "inertia": np.gradient(speed, time)}[added]
+    gap = 8.0 * NOISE * gap / max(rms(gap), 1e-300)
+    counted = count * np.round(x / count)
+    noise = NOISE * np.random.default_rng(4).standard_normal(x.size)
+    simulated = joint(counted) if fed else torque
+    return Signals(time, counted, torque + gap + noise, simulated, [slice(0, x.size)], {})
+
+
+@pytest.mark.parametrize("interval", [0.005, 0.001])
+@pytest.mark.parametrize("counts", [1024, 1500, 2000, 4096, 10000])
+def test_the_speed_is_known_whatever_the_encoder_counts(interval: float, counts: int) -> None:
+    """Median differences of counts are zero, or one or two whole numbers: they tell no noise level."""
+    time, x = motion(interval)
+    count = 2.0 * np.pi / counts
+    signals = Signals(time, count * np.round(x / count), x, x, [slice(0, x.size)], {})
+    speed = np.gradient(x, time)
+    assert rms(signals.speed - speed) < 0.02 * rms(speed)
+    assert rms(signals.smooth_x - x) < 0.5 * rms(signals.x - x)
+
+
+@pytest.mark.parametrize("fed", [True, False])
+@pytest.mark.parametrize("added", ["viscous_friction", "inertia", ""])
+@pytest.mark.parametrize(("interval", "counts"), [(0.005, 2048), (0.001, 2048)])
+def test_counts_are_no_gap_and_hide_none(interval: float, counts: int, added: str, fed: bool) -> None:
+    found = diagnose(recorded(interval, 2.0 * np.pi / counts, added, fed))
+    assert found.verdict == ([added] if added else [])
+    assert any("noise of the recorded deflection" in note for note in found.notes) == fed
+
+
+def test_what_counts_make_of_a_simulator_is_taken_out_and_the_rest_stays() -> None:
+    signals = recorded(0.002, 0.003, "viscous_friction")
+    quiet, emulator = without_jitter(signals, emulate(signals, None))
+    _, x = motion(0.002)
+    true = joint(x)
+    assert rms(quiet.y_sim - true) < 0.5 * rms(signals.y_sim - true)
+    assert quiet.noise_floor == pytest.approx(NOISE, rel=0.1)
+    # The emulator is asked along the smoothed deflection now, and counts' speeds are still not in it.
+    assert rms(emulator.predict(quiet.x) - quiet.y_sim) < 0.02 * rms(true)
+
+
+def test_a_simulator_that_was_not_fed_with_the_counts_is_left_as_it_is() -> None:
+    signals = recorded(0.002, 0.003, fed=False)
+    emulator = emulate(signals, None)
+    assert without_jitter(signals, emulator) == (signals, emulator)
+
+
+def test_levels_that_are_gone_to_are_no_counts() -> None:
+    """A staircase of thirty steps is the motion itself."""
+    time = np.arange(3000) * 0.01
+    x = 0.1 * np.round(1.5 * np.sin(2.0 * np.pi * 0.05 * time) / 0.1)
+    signals = Signals(time, x, x, x, [slice(0, x.size)], {})
+    assert rms(signals.smooth_x - x) < 0.01
