@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import savgol_coeffs
 
 from .. import models
 from ..bench.arguments import time_argument
@@ -23,6 +24,7 @@ from .kinds import KINDS
 from .motion import Motion
 from .names import MISCALIBRATION, UNKNOWN
 from .notation import GENERAL, explained
+from .operators import rms
 from .precision import told
 from .refitting import fitted_again
 from .signals import Signals
@@ -32,12 +34,19 @@ __all__ = ["CorrectedSimulator", "calibrated", "corrected_simulator", "formula"]
 Floats = NDArray[np.float64]
 ARRAYS = ("thresholds", "lengths", "elastic", "placed", "weights", "rates")
 NUMBERS = ("reach", "fast")
+PLAIN, FEWEST = 2, 5
+"""Samples of a plain difference, and the fewest of a local cubic that tells a speed from noise."""
+CLEAR = 0.02
+"""Noise of a plain difference, over the speed, that needs no smoothing."""
 INELASTIC = {"reach": 1.0, "elastic": [0.0], "thresholds": [], "lengths": [], "weights": []}
 """Of a model file that does not tell the elastic part: all is friction."""
 
 
+@dataclass(frozen=True)
 class _CausalSignals(Signals):
-    """Signals whose speed uses no later sample, as a real-time simulator needs it."""
+    """Signals whose speed uses no later sample, as a real-time simulator needs it, but so many up to each one."""
+
+    window: int = PLAIN
 
     @cached_property
     def interval(self) -> float:
@@ -45,8 +54,15 @@ class _CausalSignals(Signals):
 
     @cached_property
     def _motion(self) -> tuple[Floats, Floats, Floats]:
-        speed = np.diff(self.x, prepend=self.x[0]) / self.interval
-        return self.x, speed, np.diff(speed, prepend=speed[0]) / self.interval
+        if self.window == PLAIN:
+            speed = np.diff(self.x, prepend=self.x[0]) / self.interval
+            return self.x, speed, np.diff(speed, prepend=speed[0]) / self.interval
+        before = np.concatenate([np.full(self.window - 1, self.x[0]), self.x])
+        speed, acceleration = (
+            np.convolve(before, savgol_coeffs(self.window, 3, order, self.interval, pos=self.window - 1), "valid")
+            for order in (1, 2)
+        )
+        return self.x, speed, acceleration
 
 
 class CorrectedSimulator(HysteresisModel):
@@ -57,8 +73,8 @@ class CorrectedSimulator(HysteresisModel):
 
     ``from_parameters`` takes ``interval`` (s between samples, because effects depend on time), ``base`` (``model``: a
     registered id or ``"generalised"``, its ``parameters``, and for a registered model ``split``: parameters of the built-in
-    emulator, which tell its elastic part) and ``effects`` (each ``effect``, ``form``, ``shape``,
-    ``coefficients``).
+    emulator, which tell its elastic part), ``effects`` (each ``effect``, ``form``, ``shape``, ``coefficients``) and
+    ``window`` (samples of the local cubic that gives speeds of a noisy deflection; 2, the default, for differences).
     """
 
     id: ClassVar[str] = "corrected-simulator"
@@ -84,13 +100,15 @@ class CorrectedSimulator(HysteresisModel):
             channels={},
         )
         base = {"model": "generalised", "parameters": Generalised(signals).parameters()}
-        return {"interval": self.interval, "base": base, "effects": []}
+        return {"interval": self.interval, "base": base, "effects": [], "window": _window(signals)}
 
     @classmethod
-    def _check_parameters(cls, interval: Any, base: Any, effects: Any) -> dict[str, Any]:
-        interval = parameter_number("interval", interval)
+    def _check_parameters(cls, interval: Any, base: Any, effects: Any, window: Any = PLAIN) -> dict[str, Any]:
+        interval, window = parameter_number("interval", interval), parameter_number("window", window)
         if interval <= 0.0:
             raise InputError(f"parameter interval must be positive; it is {interval}")
+        if window != PLAIN and not (window >= FEWEST and window % 2 == 1):
+            raise InputError(f"parameter window must be {PLAIN} or an odd number from {FEWEST} on; it is {window:g}")
         if not isinstance(base, Mapping) or not isinstance(base.get("parameters"), Mapping):
             raise InputError("parameter base must hold model and parameters")
         if base.get("model") == "generalised":
@@ -111,7 +129,9 @@ class CorrectedSimulator(HysteresisModel):
                 "shape": [parameter_number("shape", v) for v in entry["shape"]],
                 "coefficients": [parameter_number("coefficients", v) for v in entry["coefficients"]],
             })  # fmt: skip
-        return {"interval": interval, "base": {"model": str(base["model"]), **checked}, "effects": kept}
+        return {
+            "interval": interval, "base": {"model": str(base["model"]), **checked}, "effects": kept, "window": int(window),
+        }  # fmt: skip
 
     def _prepare(self) -> None:
         from . import registry
@@ -132,15 +152,17 @@ class CorrectedSimulator(HysteresisModel):
 
     def _motion(self, x: Floats) -> Motion:
         """The motion with speed and acceleration from samples up to each one."""
+        return motion_of(self._signals(x, x))
+
+    def _signals(self, x: Floats, y: Floats) -> _CausalSignals:
         time = self.parameters_["interval"] * np.arange(x.size)
-        return motion_of(_CausalSignals(time, x, x, x, [slice(0, x.size)], {}))
+        return _CausalSignals(time, x, y, y, [slice(0, x.size)], {}, window=self.parameters_["window"])
 
     def _predict_run(self, x: Floats) -> Floats:
         y = self._base(x)
         if not self._effects:
             return y
-        time = np.arange(x.size) * self.parameters_["interval"]
-        signals = _CausalSignals(time, x, y, y, [slice(0, x.size)], {})
+        signals = self._signals(x, y)
         nothing = np.empty((x.size, 0))
         scene = SimulatorScene(signals, Emulator("", 0.0, self._base, self._base, nothing, nothing, {}, self._split))
         terms, coefficients = [], []
@@ -235,10 +257,20 @@ def corrected_simulator(found: Diagnosis, emulator: Emulator) -> CorrectedSimula
             })  # fmt: skip
         start += width
     base = (emulator if len(entries) == len(terms) else found.evidence.scene.emulator).parameters
-    made = CorrectedSimulator.from_parameters(interval=found.signals.interval, base=base, effects=entries)
-    made.interval = found.signals.interval
-    made.x_scale_ = float(np.max(np.abs(found.signals.x)))
+    signals = found.signals
+    made = CorrectedSimulator.from_parameters(
+        interval=signals.interval, base=base, effects=entries, window=_window(signals)
+    )
+    made.interval = signals.interval
+    made.x_scale_ = float(np.max(np.abs(signals.x)))
     return made
+
+
+def _window(signals: Signals) -> int:
+    """Samples that tell a speed as far as the recorded deflection's noise asks for it: the most that its recordings have."""
+    noise, samples = (max(of) for of in zip(*signals.smoothing, strict=True))
+    is_quiet = np.sqrt(2.0) * noise / signals.interval < CLEAR * rms(signals.speed)
+    return PLAIN if is_quiet else samples
 
 
 def _follows_a_channel(found: Diagnosis, term: Term) -> bool:

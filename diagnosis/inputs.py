@@ -24,6 +24,8 @@ Floats = NDArray[np.float64]
 BEYOND = 1e6
 """Ratio of recorded and simulated torque that is a mistake, not a gap."""
 MINIMUM_SAMPLES = 100
+MIRRORED, SAME_MOTION = 0.8, 0.5
+"""Correlation below whose negative a sign is wrong, and below which two deflections are not of the same motion."""
 
 
 def read_inputs(
@@ -86,6 +88,16 @@ def _check_pair(file: str, real: Recording, simulated: str, sim: Recording) -> N
             spread[0] / spread[1],
             {180.0 / np.pi: "deg", np.pi / 180.0: "rad", 1000.0: "mrad or mm"},
         )
+        alike = float(np.corrcoef(sim.x, real.x)[0, 1])
+        if alike < -MIRRORED:
+            raise InputError(
+                f"{simulated}: its deflection is that of {file} with the other sign; turn one of them round"
+            )
+        if alike < SAME_MOTION:
+            raise InputError(
+                f"{simulated}: its deflection is not that of {file} (correlation {alike:.2f}); "
+                "write the simulator's output along the recorded motion"
+            )
 
 
 def _check_units(simulated: str, file: str, what: str, ratio: float, factors: dict[float, str]) -> None:
@@ -133,6 +145,11 @@ def signals_from(recordings: Sequence[Recording], outputs: Sequence[Floats], nam
                     f"{name}: the recorded torque is {ratio:.4g} times the simulated one, as if one were in N·m and the other in mN·m; "
                     "convert them to one unit"
                 )
+        slope = float(np.cov(recording.y, output)[0, 1]) / float(np.var(output, ddof=1))
+        if float(np.corrcoef(recording.y, output)[0, 1]) < -MIRRORED and abs(slope + 1.0) < 0.3:
+            raise InputError(
+                f"{name}: the recorded torque is {slope:.3g} times the simulated one, as if their signs were opposite; turn one of them round"
+            )
     edges = np.cumsum([0, *(r.x.size for r in recordings)]).tolist()
     shared = set.intersection(*(set(r.channels) for r in recordings))
     return Signals(

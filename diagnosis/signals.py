@@ -167,13 +167,18 @@ class Signals:
         return self._motion[1]
 
     @cached_property
+    def smoothing(self) -> list[tuple[float, int]]:
+        """Of each recording: standard deviation of the deflection's noise, rad, and samples that its speed is taken over."""
+        recorded = (self._measured[run] for run in self.runs)
+        levels = ((x, _deviation(x, x)) for x in recorded)
+        return [(level, _windows(x, level)[1]) for x, level in levels]
+
+    @cached_property
     def certain_speed(self) -> Floats:
         """dx/dt less what the deflection's noise may have made of it, rad/s: rest is rest, and no creeping to and fro."""
         noise = np.empty_like(self.x)
-        for run in self.runs:
-            x = self._measured[run]
-            level = _deviation(x, x)
-            coefficients = savgol_coeffs(_windows(x, level)[1], 3, deriv=1, delta=self.interval)
+        for run, (level, window) in zip(self.runs, self.smoothing, strict=True):
+            coefficients = savgol_coeffs(window, 3, deriv=1, delta=self.interval)
             noise[run] = level * float(np.linalg.norm(coefficients))
         # Away from rest hardly anything is taken off.
         size = np.abs(self.speed)

@@ -297,6 +297,9 @@ def bad_inputs(folder: Path) -> dict[str, tuple[list[str], str]]:
     )
     write_recording(folder / "milli.csv", {**columns, "torque_nm": 1000.0 * recording.y_sim})
     write_recording(folder / "huge.csv", {**columns, "torque_nm": 1e20 * recording.y_sim})
+    write_recording(folder / "mirrored.csv", {**columns, "torque_nm": -recording.y_sim})
+    write_recording(folder / "turned.csv", {**columns, "deflection_rad": -recording.x})
+    write_recording(folder / "other.csv", {**columns, "deflection_rad": np.sin(7.3 * recording.time)})
     return {
         "rows differ": ([str(real), "--sim", str(folder / "short.csv")], "2993 rows"),
         "time not shared": ([str(real), "--sim", str(folder / "late.csv")], "row 1 is at 5 s"),
@@ -304,6 +307,9 @@ def bad_inputs(folder: Path) -> dict[str, tuple[list[str], str]]:
         "constant": ([str(real), "--sim", str(folder / "still.csv")], "constant"),
         "wrong column": ([str(real), "--sim", str(folder / "named.csv")], "deflection_rad"),
         "millinewtons": ([str(real), "--sim", str(folder / "milli.csv")], "mN·m"),
+        "torque of the other sign": ([str(real), "--sim", str(folder / "mirrored.csv")], "signs were opposite"),
+        "deflection of the other sign": ([str(real), "--sim", str(folder / "turned.csv")], "with the other sign"),
+        "another motion": ([str(real), "--sim", str(folder / "other.csv")], "along the recorded motion"),
         "beyond reason": ([str(real), "--sim", str(folder / "huge.csv")], "no effect accounts for that"),
         "unknown effect": ([str(real), "--sim", str(sim), "--exclude", "viscos_friction"], "viscous_friction"),
         "missing file": ([str(folder / "none.csv"), "--sim", str(sim)], "no such file"),
@@ -320,6 +326,9 @@ def bad_inputs(folder: Path) -> dict[str, tuple[list[str], str]]:
         "constant",
         "wrong column",
         "millinewtons",
+        "torque of the other sign",
+        "deflection of the other sign",
+        "another motion",
         "beyond reason",
         "unknown effect",
         "missing file",

@@ -7,11 +7,13 @@ import pytest
 from joints import sliders
 from numpy.typing import NDArray
 
+from hystbench.diagnosis.corrected import CorrectedSimulator, calibrated, corrected_simulator
 from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.emulation import emulate
 from hystbench.diagnosis.jitter import without_jitter
 from hystbench.diagnosis.operators import rms
 from hystbench.diagnosis.signals import Signals
+from hystbench.errors import InputError
 
 Floats = NDArray[np.float64]
 NOISE = 0.08
@@ -87,3 +89,22 @@ def test_levels_that_are_gone_to_are_no_counts() -> None:
     x = 0.1 * np.round(1.5 * np.sin(2.0 * np.pi * 0.05 * time) / 0.1)
     signals = Signals(time, x, x, x, [slice(0, x.size)], {})
     assert rms(signals.smooth_x - x) < 0.01
+
+
+@pytest.mark.parametrize("fed", [True, False])
+def test_the_corrected_simulator_tells_the_speed_from_counts(fed: bool) -> None:
+    """From samples up to each one only: differences of counts would be off by four times the noise."""
+    signals = recorded(0.005, 0.003, "viscous_friction", fed)
+    found = diagnose(signals)
+    made = corrected_simulator(found, calibrated(found, None))
+    assert rms(made.predict(signals.x) - signals.y_real) < 2.0 * NOISE
+    stepper = made.stepper()
+    assert [stepper.step(x) for x in signals.x[:50]] == pytest.approx(made.predict(signals.x[:50]))
+
+
+def test_a_corrected_simulator_of_a_smooth_deflection_takes_differences_and_a_bad_window_is_told() -> None:
+    _, x = motion(0.005)
+    made = CorrectedSimulator(interval=0.005).fit(x, joint(x))
+    assert made.parameters_["window"] == 2
+    with pytest.raises(InputError, match="window must be 2 or an odd number"):
+        CorrectedSimulator.from_parameters(**{**made.parameters_, "window": 8})
