@@ -12,6 +12,7 @@ from development import developed
 from joints import clearance, dahl, sliders
 from motions import swelling
 from numpy.typing import NDArray
+from simulators import rigid_body
 
 from hystbench import datasets, models
 from hystbench.bench.cells import fitted_on
@@ -97,6 +98,22 @@ def test_an_effect_beside_a_simulator_that_is_off_is_named_with_it() -> None:
     y_real = spring(x) + 0.06 * np.gradient(x, time)
     found = diagnose(signals_of(time, x, y_real, spring(x, 1.27, 0.66, 4.14, 0.29)))
     assert set(found.verdict) - {"miscalibration"} == {"viscous_friction"}
+
+
+@pytest.mark.parametrize("off", [0.0, 0.04, -0.04])
+@pytest.mark.parametrize(("effect", "more"), [("inertia", 1.0), ("coulomb_friction", 0.4), ("coulomb_friction", 0.8)])
+def test_much_more_of_what_a_simulator_has_itself_is_an_effect_and_no_miscalibration(
+    effect: str, more: float, off: float
+) -> None:
+    """An engine for rigid bodies that knows the mass and the friction, of which the joint has ``more``, relatively."""
+    time, x = swelling(4000)
+    speed = np.gradient(x, time)
+    acceleration = np.gradient(speed, time)
+    friction = np.clip((speed + 0.003 * acceleration) / 0.02, -1.0, 1.0)
+    added = more * {"inertia": 0.02 * acceleration, "coulomb_friction": 0.8 * friction}[effect]
+    noise = np.std(added) / 8.0 * np.random.default_rng(3).standard_normal(x.size)
+    found = diagnose(signals_of(time, x, rigid_body(time, x) + added + noise, rigid_body(time, x, off)))
+    assert set(found.verdict) - {"miscalibration"} == {effect}
 
 
 def test_friction_is_not_named_for_what_a_simulator_that_is_off_explains_by_itself() -> None:

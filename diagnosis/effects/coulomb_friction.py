@@ -25,12 +25,20 @@ def _two_sliders(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.column_stack([scene.signals.slipping(length) for length in shape])
 
 
+def _own(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return scene.strength[:, None]
+
+
 def _unequal(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         sign = law.signal(scene.signals, shape[0])
         return (sign + shape[1] * np.abs(sign))[:, None]
 
     return columns
+
+
+MORE = 0.15
+"""Relative gain of the joint's own friction from which it is not only badly calibrated."""
 
 
 class CoulombFriction(Effect):
@@ -45,6 +53,7 @@ class CoulombFriction(Effect):
         Parameter("friction", "N·m", -np.inf, np.inf, "sliding friction; negative where the simulator has too much"),
         Parameter("friction_2", "N·m", 0.0, np.inf, "of a second contact that yields later"),
         *PRESLIDING,
+        Parameter("strength_gain", "1", MORE, np.inf, "relative gain of the strength of the joint's own friction"),
         Parameter("inequality", "1", -0.2, 0.2, "half the relative difference between the directions"),
         Parameter("elastic_presliding_2", "rad", 0.0, np.inf, "of the second contact"),
     )
@@ -75,4 +84,6 @@ class CoulombFriction(Effect):
             steep, name="regularised by arctan", columns=_arctan,
             equation="y += friction * arctan(v / transition_speed) * 2 / pi",
         )  # fmt: skip
-        return [*made, flat, two, *unequal, *overdone_friction(made)]
+        own = Form("more of the joint's own", ("strength_gain",), _own, (MORE,), (np.inf,),
+                   equation="y += strength_gain * y_strength")  # fmt: skip
+        return [*made, flat, two, *unequal, own, *overdone_friction(made)]
