@@ -20,9 +20,10 @@ __all__ = ["without_jitter"]
 
 FED = 0.5
 """Share of the roughness, as it is emulated, that the gap must have of a simulator which was fed with the noise."""
+SEEN = 2e-5
+"""Size of the noise over the deflection's reach below which it is the rounding of numbers, of which smoothing makes turns in holds."""
 NOTICED = 0.1
 """Size of what the noise makes, over the noise of the gap, from which it is taken out."""
-
 STAYS = 0.3
 """Share of it that stays: counts are correlated, the more so the slower the joint, and smoothing bends what it smooths. On eight
 joints with counted deflections it was 0.2 to 0.35."""
@@ -31,6 +32,8 @@ joints with counted deflections it was 0.2 to 0.35."""
 def without_jitter(signals: Signals, emulator: Emulator) -> tuple[Signals, Emulator]:
     """The simulator along the smoothed deflection, where the gap shows the noise of the recorded one; else all as it was."""
     quiet = replace(signals, x=signals.smooth_x, recorded=signals.x)
+    if rms(quiet.x - signals.x) < SEEN * signals.reach:
+        return signals, emulator
     predict = emulator.predict
     if emulator.parameters["model"] == GENERALISED:
         predict = partial(predict_beside, emulator.parameters["parameters"], quiet)

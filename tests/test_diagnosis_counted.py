@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from joints import sliders
@@ -81,6 +83,25 @@ def test_a_simulator_that_was_not_fed_with_the_counts_is_left_as_it_is() -> None
     signals = recorded(0.002, 0.003, fed=False)
     emulator = emulate(signals, None)
     assert without_jitter(signals, emulator) == (signals, emulator)
+
+
+@pytest.mark.parametrize(("noise", "taken_out"), [(1e-8, False), (1e-3, True)])
+def test_the_rounding_of_numbers_is_no_noise_however_much_a_simulator_makes_of_it(
+    noise: float, taken_out: bool
+) -> None:
+    """Smoothed, a hold creeps to and fro by next to nothing, which is a turn to rubber that forgets at every turn."""
+    _, x = motion(0.005)
+    rng = np.random.default_rng(7)
+    seen = x + noise * rng.standard_normal(x.size)
+
+    def sensitive(of: Floats) -> Floats:
+        return 45.0 * x + (of - x) * NOISE / noise
+
+    torque = sensitive(x) + NOISE * rng.standard_normal(x.size)
+    signals = Signals(0.005 * np.arange(x.size), seen, torque, sensitive(seen), [slice(0, x.size)], {})
+    emulator = replace(emulate(signals, None), predict=sensitive, parameters={"model": "another"})
+    quiet, _ = without_jitter(signals, emulator)
+    assert (quiet is not signals) == taken_out
 
 
 def test_levels_that_are_gone_to_are_no_counts() -> None:
