@@ -17,7 +17,7 @@ from ..bench.arguments import time_argument
 from ..errors import InputError
 from ..models.base import HysteresisModel, Run, parameter_array, parameter_number
 from .diagnosis import Diagnosis
-from .emulation import Emulator, SimulatorScene, emulate
+from .emulation import GENERALISED, Emulator, SimulatorScene, emulate
 from .evidence import Term, effect_columns, elsewhere
 from .generalised import Generalised, motion_of, predict_generalised, spring_of
 from .kinds import KINDS
@@ -99,7 +99,7 @@ class CorrectedSimulator(HysteresisModel):
             runs=[slice(a, b) for a, b in pairwise(edges)],
             channels={},
         )
-        base = {"model": "generalised", "parameters": Generalised(signals).parameters()}
+        base = {"model": GENERALISED, "parameters": Generalised(signals).parameters()}
         return {"interval": self.interval, "base": base, "effects": [], "window": _window(signals)}
 
     @classmethod
@@ -111,7 +111,7 @@ class CorrectedSimulator(HysteresisModel):
             raise InputError(f"parameter window must be {PLAIN} or an odd number from {FEWEST} on; it is {window:g}")
         if not isinstance(base, Mapping) or not isinstance(base.get("parameters"), Mapping):
             raise InputError("parameter base must hold model and parameters")
-        if base.get("model") == "generalised":
+        if base.get("model") == GENERALISED:
             checked: dict[str, Any] = {"parameters": _checked_emulator(base["parameters"])}
         else:
             made = models.get(str(base.get("model"))).from_parameters(**base["parameters"])
@@ -137,7 +137,7 @@ class CorrectedSimulator(HysteresisModel):
         from . import registry
 
         base = self.parameters_["base"]
-        if base["model"] == "generalised":
+        if base["model"] == GENERALISED:
             inner = base["parameters"]
             self._split = inner
             self._base = lambda x: predict_generalised(inner, self._motion(x))
