@@ -16,7 +16,7 @@ from math import factorial
 import numpy as np
 from numpy.typing import NDArray
 
-from .signals import COORDINATES, Signals
+from .recording.signals import COORDINATES, Signals
 
 __all__ = ["Place", "locate", "profile"]
 

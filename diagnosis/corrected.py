@@ -16,18 +16,18 @@ from .. import models
 from ..bench.arguments import time_argument
 from ..errors import InputError
 from ..models.base import HysteresisModel, Run, parameter_array, parameter_number
-from .diagnosis import Diagnosis
-from .emulation import GENERALISED, Emulator, SimulatorScene, emulate
-from .evidence import Term, effect_columns, elsewhere
-from .generalised import Generalised, motion_of, predict_generalised, spring_of
-from .kinds import KINDS
-from .motion import Motion
+from .emulator.emulation import GENERALISED, Emulator, SimulatorScene, emulate
+from .emulator.generalised import Generalised, motion_of, predict_generalised, spring_of
+from .emulator.kinds import KINDS
+from .emulator.motion import Motion
+from .hypotheses.evidence import Term, effect_columns, elsewhere
+from .hypotheses.precision import told
+from .hypotheses.refitting import fitted_again
 from .names import MISCALIBRATION, UNKNOWN
 from .notation import GENERAL, explained
-from .operators import rms
-from .precision import told
-from .refitting import fitted_again
-from .signals import Signals
+from .recording.noise import rms
+from .recording.signals import Signals
+from .result import Diagnosis
 
 __all__ = ["CorrectedSimulator", "calibrated", "corrected_simulator", "formula"]
 

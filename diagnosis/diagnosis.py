@@ -2,36 +2,32 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from .attribution import Place, locate
+from .attribution import locate
 from .effects.base import Effect
-from .emulation import SimulatorScene, emulate
-from .evidence import Evidence, Hypothesis
-from .heldout import HeldOut, closed_share, held_out
-from .jitter import without_jitter
+from .emulator.emulation import SimulatorScene, emulate
+from .emulator.jitter import without_jitter
+from .hypotheses.evidence import Evidence, Hypothesis
+from .hypotheses.heldout import HeldOut, closed_share, held_out
+from .hypotheses.refitting import refitted_beside
+from .hypotheses.search import Library, search
 from .names import MISCALIBRATION, UNKNOWN
-from .noise import structured_power
-from .operators import rms
-from .precision import intervals, told
 from .reasons import reasons
-from .refitting import refitted_beside
-from .search import Library, search
-from .signals import Signals
-from .verdict import Choice, choose
+from .recording.noise import rms, structured_power
+from .recording.signals import Signals
+from .remarks import remarks
+from .result import Diagnosis, EffectReport
+from .verdict.choice import Choice, choose
 
-__all__ = ["NEAREST", "SCHEMA", "Diagnosis", "EffectReport", "diagnose", "known_effects"]
+__all__ = ["NEAREST", "diagnose", "known_effects"]
 
 Floats = NDArray[np.float64]
-SCHEMA = "hystbench/diagnosis/1"
 OF_TIME = ("time", "speed", "acceleration")
 """Coordinates that a recording without a clock does not have; nothing can be said of effects that show there."""
 REPORTED = 5
@@ -48,123 +44,6 @@ NEAREST = "what comes nearest"
 """Name of the one step of a gap that is not explained."""
 EXACT = 0.3
 """Structure left over, as a share of the noise, up to which an effect's law is adequate."""
-
-
-@dataclass(frozen=True)
-class EffectReport:
-    """One effect's evidence; ``signal`` is what it adds on samples that its fit did not see."""
-
-    name: str
-    probability: float
-    rmse_after: float
-    closed: float
-    closed_interval: list[float]
-    adequacy: str
-    parameters: dict[str, float]
-    law: str
-    signal: Floats
-
-
-@dataclass(frozen=True)
-class Diagnosis:
-    """Everything that was found; ``document()`` gives CONTRACT's JSON."""
-
-    signals: Signals
-    verdict: list[str]
-    confidence: float
-    rmse: float
-    noise_floor: float
-    closed_by_recalibration: float
-    closed_in_all: float
-    places: list[Place]
-    effects: list[EffectReport]
-    ambiguous: list[list[str]]
-    emulator: str
-    emulator_error: float
-    choice: Choice
-    library: Library
-    """What every effect makes by itself, and how that goes with the gap; closed."""
-    waterfall: list[tuple[str, float]]
-    """RMS after each step: nothing, then the verdict's effects in the order of their size, or all that comes nearest at once."""
-    seed: int
-    excluded: list[str]
-    next_recording: dict[str, Any] | None = None
-    notes: list[str] = field(default_factory=list)
-    reasons: list[str] = field(default_factory=list)
-    """Those of the notes that say why what would explain the gap, or comes nearest, is not named."""
-
-    @property
-    def evidence(self) -> Evidence:
-        return self.library.evidence
-
-    @cached_property
-    def parameter_intervals(self) -> dict[str, dict[str, tuple[float, float] | None]]:
-        """95 % intervals of the best explanation's parameters; None for what this recording does not determine."""
-        return intervals(self.evidence, self.choice.hypothesis)
-
-    def told(self, report: EffectReport) -> list[str]:
-        """An effect's parameters in words, with their intervals where there are any."""
-        known = self.parameter_intervals.get(report.name, {})
-        return [
-            f"{name} = {value:.4g}" + (f" ({told(known[name])})" if name in known else "")
-            for name, value in report.parameters.items()
-        ]
-
-    def document(self) -> dict[str, Any]:
-        """The diagnosis as CONTRACT's JSON document."""
-        return {
-            "schema": SCHEMA,
-            "gap": {
-                "unit": self.signals.unit,
-                "rmse": _figure(self.rmse),
-                "noise_floor": _figure(self.noise_floor),
-                "closed_by_recalibration": _figure(self.closed_by_recalibration),
-            },
-            "where": [
-                {
-                    "coordinate": place.coordinate,
-                    "share": _figure(place.share),
-                    "interval": [_figure(v) for v in place.interval],
-                    "range": [_figure(v) for v in place.range],
-                }
-                for place in self.places
-            ],
-            "verdict": self.verdict,
-            "confidence": _figure(self.confidence),
-            "effects": [
-                {
-                    "name": e.name,
-                    "probability": _figure(e.probability),
-                    "rmse_after": _figure(e.rmse_after),
-                    "closed": _figure(e.closed),
-                    "closed_interval": [_figure(v) for v in e.closed_interval],
-                    "adequacy": e.adequacy,
-                    "parameters": {name: _figure(value) for name, value in e.parameters.items()},
-                    "parameter_intervals": {
-                        name: None if ends is None else [_figure(end) for end in ends]
-                        for name, ends in self.parameter_intervals.get(e.name, {}).items()
-                    },
-                }
-                for e in self.effects
-            ],
-            "ambiguous": self.ambiguous,
-            "next_recording": self.next_recording,
-            "simulator": {"emulated_by": self.emulator, "emulation_error": _figure(self.emulator_error)},
-            "closed": _figure(self.closed_in_all),
-            "waterfall": [{"after": name, "rmse": _figure(rmse)} for name, rmse in self.waterfall],
-            "seed": self.seed,
-            "excluded": self.excluded,
-            "notes": self.notes,
-        }
-
-    def to_json(self) -> str:
-        """The document as text."""
-        return json.dumps(self.document(), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def _figure(value: float) -> float:
-    """Six significant digits: more is noise, and the same on every machine."""
-    return float(f"{float(value):.6g}")
 
 
 def known_effects(exclude: Collection[str] = ()) -> list[Effect]:
@@ -235,47 +114,7 @@ def diagnose(
     closed_in_all = _closed(signals, choice, seed)
     if MISCALIBRATION in choice.verdict:
         reports.append(_recalibration_report(signals, choice, floor, seed))
-    notes = []
-    if calm:
-        notes.append(
-            f"{100.0 * np.mean(signals.knocks):.2g} % of the samples were left out, about moments at which something knocks"
-        )
-    if model is None:
-        notes.append(
-            f"the simulator is emulated by {emulator.name}, error {100.0 * emulator.error:.2g} % of its output"
-        )
-    if signals.recorded is not None:
-        notes.append(
-            f"the simulator's output shows the noise of the recorded deflection ({rms(signals.recorded - signals.x):.2g}): what that"
-            " makes of it was taken out"
-        )
-    if not signals.timed:
-        notes.append("no time was recorded, so nothing can be said of rates and of drifts")
-    if choice.hum > 0.0:
-        notes.append(
-            f"the gap hums at {choice.hum:.3g} Hz, or at a frequency that the sampling folds there: shield or filter it"
-        )
-    if choice.spikes > 0.0:
-        most = np.max(np.abs(signals.gap[signals.judged]))
-        notes.append(
-            f"{100.0 * choice.spikes:.2g} % of the samples stand out of the noise, by up to {most:.3g} {signals.unit}: look for"
-            " lost samples, a loose contact or interference"
-        )
-    if choice.roughness > 0.0:
-        notes.append(
-            f"what passes for noise is {choice.roughness:.2g} times stronger while the joint moves: a ripple that changes with"
-            " every sample, or a rattle; record slow strokes, or more densely"
-        )
-    if choice.torque_step > 0.0:
-        notes.append(
-            f"the recorded torque comes in steps of {choice.torque_step:.3g} {signals.unit}: they are the gap; record it finer"
-        )
     not_named = reasons(choice, closed_in_all, reports)
-    notes += not_named
-    if fitted:
-        notes.append(
-            "the confidence was calibrated on simulators that were not fitted to the joint: take it as a rank here"
-        )
     named = _named(choice)
     return Diagnosis(
         signals=signals,
@@ -295,7 +134,7 @@ def diagnose(
         waterfall=_waterfall(signals, choice, named),
         seed=seed,
         excluded=sorted(exclude),
-        notes=notes,
+        notes=remarks(signals, emulator, choice, not_named, model is not None, fitted, calm),
         reasons=not_named,
     )
 

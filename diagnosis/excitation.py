@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..datasets.recording_files import DEFAULT_TIME, DEFAULT_X, write_recording
-from .diagnosis import Diagnosis
-from .emulation import SimulatorScene, emulate
-from .evidence import Evidence, Hypothesis, is_refitted, trusted
+from .emulator.emulation import SimulatorScene, emulate
+from .hypotheses.evidence import Evidence, Hypothesis, is_refitted, trusted
+from .hypotheses.refinement import refine
 from .names import MISCALIBRATION
-from .refinement import refine
-from .rivals import SAME_BY_EYE, is_weighed_rightly
-from .signals import Signals
+from .recording.signals import Signals
+from .result import Diagnosis
+from .verdict.rivals import SAME_BY_EYE, is_weighed_rightly
 
 __all__ = ["Limits", "candidate_motions", "design_next", "margins", "motion"]
 

@@ -9,11 +9,12 @@ from typing import Any
 from ..datasets.base import Dataset, Recording
 from ..errors import InputError
 from . import registry
-from .diagnosis import Diagnosis, diagnose
+from .diagnosis import diagnose
 from .effects.base import SENSOR
 from .inputs import outputs_of, signals_from
 from .names import GAIN, MISCALIBRATION, UNKNOWN
-from .signals import Signals
+from .recording.signals import Signals
+from .result import Diagnosis
 
 __all__ = ["diagnose_as_is_or_fitted", "diagnose_fitted", "diagnose_model", "gap_signals"]
 

@@ -16,7 +16,7 @@ from ..bench.arguments import time_argument
 from ..datasets.base import Recording
 from ..datasets.recording_files import read_recording
 from ..errors import InputError
-from .signals import Signals
+from .recording.signals import Signals
 
 __all__ = ["MINIMUM_SAMPLES", "outputs_of", "read_inputs", "signals_from"]
 

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from .effects.base import CLOCKS
 from .names import MISCALIBRATION, UNKNOWN, enumerated
-from .verdict import ENOUGH, Choice
-
-if TYPE_CHECKING:
-    from .diagnosis import EffectReport
+from .result import EffectReport
+from .verdict.choice import ENOUGH, Choice
 
 __all__ = ["reasons"]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import click
 
-from .diagnosis import Diagnosis
 from .names import MISCALIBRATION, UNKNOWN, enumerated
+from .result import Diagnosis
 
 __all__ = ["sentence", "summary"]
 

@@ -14,8 +14,9 @@ from matplotlib.collections import LineCollection
 
 from .. import __version__
 from ..diagnosis.attribution import profile
-from ..diagnosis.diagnosis import NEAREST, Diagnosis
+from ..diagnosis.diagnosis import NEAREST
 from ..diagnosis.names import UNKNOWN
+from ..diagnosis.result import Diagnosis
 from ..diagnosis.wording import sentence
 from ..files import write_text
 from .svg import COLOURS, INK, MEASURED, STYLE

@@ -6,7 +6,8 @@ import numpy as np
 
 from hystbench.diagnosis.blind.cases import Case, bank
 from hystbench.diagnosis.blind.plants import plant_of
-from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
+from hystbench.diagnosis.diagnosis import diagnose
+from hystbench.diagnosis.result import Diagnosis
 
 
 def developed(seed: int, *plants: str) -> tuple[Case, Diagnosis]:

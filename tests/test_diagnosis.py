@@ -15,8 +15,9 @@ from hystbench.bench.cli import cli
 from hystbench.bench.console import execute
 from hystbench.datasets.recording_files import read_recording, write_recording
 from hystbench.diagnosis import registry
-from hystbench.diagnosis.diagnosis import NEAREST, Diagnosis, diagnose
-from hystbench.diagnosis.signals import COORDINATES, Signals
+from hystbench.diagnosis.diagnosis import NEAREST, diagnose
+from hystbench.diagnosis.recording.signals import COORDINATES, Signals
+from hystbench.diagnosis.result import Diagnosis
 from hystbench.diagnosis.wording import summary
 
 Floats = NDArray[np.float64]
@@ -91,7 +92,7 @@ def test_every_effect_of_the_contract_is_registered() -> None:
 
 @pytest.mark.parametrize("name", CONTRACT_EFFECTS)
 def test_effect_documents_every_parameter_that_its_forms_fit(name: str) -> None:
-    from hystbench.diagnosis.emulation import SimulatorScene, emulate
+    from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
 
     effect = registry.get(name)()
     assert effect.id == name

@@ -16,9 +16,10 @@ from hystbench.bench.cli import cli
 from hystbench.bench.console import execute
 from hystbench.datasets.recording_files import read_recording, write_recording
 from hystbench.diagnosis.corrected import calibrated, corrected_simulator, formula
-from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
-from hystbench.diagnosis.operators import lowpass
-from hystbench.diagnosis.signals import Signals
+from hystbench.diagnosis.diagnosis import diagnose
+from hystbench.diagnosis.operators.memory import lowpass
+from hystbench.diagnosis.recording.signals import Signals
+from hystbench.diagnosis.result import Diagnosis
 
 Floats = NDArray[np.float64]
 NOISE = 0.01

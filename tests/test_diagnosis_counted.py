@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from hystbench.diagnosis.corrected import CorrectedSimulator, calibrated, corrected_simulator
 from hystbench.diagnosis.diagnosis import diagnose
-from hystbench.diagnosis.emulation import emulate
-from hystbench.diagnosis.jitter import without_jitter
-from hystbench.diagnosis.operators import rms
-from hystbench.diagnosis.signals import Signals
+from hystbench.diagnosis.emulator.emulation import emulate
+from hystbench.diagnosis.emulator.jitter import without_jitter
+from hystbench.diagnosis.recording.noise import rms
+from hystbench.diagnosis.recording.signals import Signals
 from hystbench.errors import InputError
 
 Floats = NDArray[np.float64]

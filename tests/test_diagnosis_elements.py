@@ -11,14 +11,15 @@ from joints import sliders
 from numpy.typing import NDArray
 from simulators import INTERVAL, JOINTS, Joint, damped_bristles, damper, kinked, lagging, metal, two_sliders
 
-from hystbench.diagnosis import generalised
 from hystbench.diagnosis.corrected import CorrectedSimulator
 from hystbench.diagnosis.diagnosis import diagnose
-from hystbench.diagnosis.emulation import emulate
-from hystbench.diagnosis.generalised import Generalised, spring_of
-from hystbench.diagnosis.levels import attracted
-from hystbench.diagnosis.operators import hyperbolic, rms
-from hystbench.diagnosis.signals import Signals
+from hystbench.diagnosis.emulator import generalised
+from hystbench.diagnosis.emulator.emulation import emulate
+from hystbench.diagnosis.emulator.generalised import Generalised, spring_of
+from hystbench.diagnosis.operators.levels import attracted
+from hystbench.diagnosis.operators.memory import hyperbolic
+from hystbench.diagnosis.recording.noise import rms
+from hystbench.diagnosis.recording.signals import Signals
 from hystbench.errors import InputError
 
 Floats = NDArray[np.float64]

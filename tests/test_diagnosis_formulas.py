@@ -15,10 +15,10 @@ from scipy.special import gamma
 
 from hystbench.diagnosis.diagnosis import known_effects
 from hystbench.diagnosis.effects.base import Effect, Form
-from hystbench.diagnosis.emulation import SimulatorScene, emulate
+from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.notation import WORDS, explained
-from hystbench.diagnosis.operators import rms
-from hystbench.diagnosis.signals import Signals
+from hystbench.diagnosis.recording.noise import rms
+from hystbench.diagnosis.recording.signals import Signals
 
 Floats = NDArray[np.float64]
 IMPLICIT = {"gap at zero torque", "gap at zero torque, free flight"}

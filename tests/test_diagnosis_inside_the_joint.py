@@ -15,12 +15,13 @@ from scipy.signal import lfilter, lsim
 
 from hystbench import models
 from hystbench.diagnosis.delivery import deliver
-from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
-from hystbench.diagnosis.emulation import SimulatorScene, emulate
-from hystbench.diagnosis.generalised import Generalised, motion_of, spring_of, strength_of
-from hystbench.diagnosis.hum import hum
-from hystbench.diagnosis.roughness import roughness
-from hystbench.diagnosis.signals import Signals
+from hystbench.diagnosis.diagnosis import diagnose
+from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
+from hystbench.diagnosis.emulator.generalised import Generalised, motion_of, spring_of, strength_of
+from hystbench.diagnosis.recording.hum import hum
+from hystbench.diagnosis.recording.roughness import roughness
+from hystbench.diagnosis.recording.signals import Signals
+from hystbench.diagnosis.result import Diagnosis
 from hystbench.diagnosis.wording import sentence
 
 Floats = NDArray[np.float64]

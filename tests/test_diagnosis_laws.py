@@ -13,13 +13,14 @@ from scipy.optimize import brentq
 from scipy.signal import lfilter
 
 from hystbench.diagnosis import registry
-from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
-from hystbench.diagnosis.emulation import SimulatorScene, emulate
-from hystbench.diagnosis.levels import yielding
-from hystbench.diagnosis.masses import free_flight
-from hystbench.diagnosis.operators import bristle
-from hystbench.diagnosis.quantisation import torque_step
-from hystbench.diagnosis.signals import Signals
+from hystbench.diagnosis.diagnosis import diagnose
+from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
+from hystbench.diagnosis.operators.levels import yielding
+from hystbench.diagnosis.operators.masses import free_flight
+from hystbench.diagnosis.operators.memory import bristle
+from hystbench.diagnosis.recording.quantisation import torque_step
+from hystbench.diagnosis.recording.signals import Signals
+from hystbench.diagnosis.result import Diagnosis
 from hystbench.diagnosis.wording import sentence
 
 Floats = NDArray[np.float64]

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from hystbench.diagnosis import registry
 from hystbench.diagnosis.diagnosis import diagnose
-from hystbench.diagnosis.emulation import SimulatorScene, emulate
-from hystbench.diagnosis.evidence import Evidence, Term
-from hystbench.diagnosis.heldout import closed_share, held_out
-from hystbench.diagnosis.refinement import refine
-from hystbench.diagnosis.signals import Signals
+from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
+from hystbench.diagnosis.hypotheses.evidence import Evidence, Term
+from hystbench.diagnosis.hypotheses.heldout import closed_share, held_out
+from hystbench.diagnosis.hypotheses.refinement import refine
+from hystbench.diagnosis.recording.signals import Signals
 
 Floats = NDArray[np.float64]
 NOISE = 0.01

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from scipy.signal import butter, lfilter, sosfilt
 
 from hystbench.diagnosis.diagnosis import diagnose
-from hystbench.diagnosis.noise import FARTHEST, independent, noise_levels, structured_power
-from hystbench.diagnosis.signals import Signals
+from hystbench.diagnosis.recording.noise import FARTHEST, independent, noise_levels, structured_power
+from hystbench.diagnosis.recording.signals import Signals
 
 Floats = NDArray[np.float64]
 

@@ -12,14 +12,14 @@ from scipy.optimize import lsq_linear
 
 from hystbench.diagnosis import registry
 from hystbench.diagnosis.attribution import locate
-from hystbench.diagnosis.emulation import SimulatorScene, emulate
-from hystbench.diagnosis.evidence import Evidence, Term, boxed_least_squares
+from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.excitation import Limits, candidate_motions
-from hystbench.diagnosis.heldout import _folds, closed_share
-from hystbench.diagnosis.noise import structured_power
-from hystbench.diagnosis.operators import bristle, lowpass, plays
-from hystbench.diagnosis.refinement import refine
-from hystbench.diagnosis.signals import Signals
+from hystbench.diagnosis.hypotheses.evidence import Evidence, Term, boxed_least_squares
+from hystbench.diagnosis.hypotheses.heldout import _folds, closed_share
+from hystbench.diagnosis.hypotheses.refinement import refine
+from hystbench.diagnosis.operators.memory import bristle, lowpass, plays
+from hystbench.diagnosis.recording.noise import structured_power
+from hystbench.diagnosis.recording.signals import Signals
 
 
 @settings(max_examples=40, deadline=None)

@@ -11,11 +11,11 @@ from scipy.signal import lfilter
 from hystbench.diagnosis import registry
 from hystbench.diagnosis.corrected import calibrated, formula
 from hystbench.diagnosis.diagnosis import diagnose
-from hystbench.diagnosis.emulation import SimulatorScene, emulate
-from hystbench.diagnosis.evidence import Evidence, Term
-from hystbench.diagnosis.precision import intervals, told
-from hystbench.diagnosis.refinement import refine
-from hystbench.diagnosis.signals import Signals
+from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
+from hystbench.diagnosis.hypotheses.evidence import Evidence, Term
+from hystbench.diagnosis.hypotheses.precision import intervals, told
+from hystbench.diagnosis.hypotheses.refinement import refine
+from hystbench.diagnosis.recording.signals import Signals
 
 Floats = NDArray[np.float64]
 NOISE = 0.02

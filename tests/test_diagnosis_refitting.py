@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from hystbench import models
 from hystbench.datasets import Dataset, Recording, concatenate
 from hystbench.diagnosis.diagnosis import known_effects
-from hystbench.diagnosis.emulation import emulate
+from hystbench.diagnosis.emulator.emulation import emulate
 from hystbench.diagnosis.from_benchmark import diagnose_model, gap_signals
-from hystbench.diagnosis.refitting import refitted_beside
-from hystbench.diagnosis.signals import Signals
+from hystbench.diagnosis.hypotheses.refitting import refitted_beside
+from hystbench.diagnosis.recording.signals import Signals
 
 Floats = NDArray[np.float64]
 NOISE = 0.01

@@ -18,14 +18,14 @@ from hystbench import datasets, models
 from hystbench.bench.cells import fitted_on
 from hystbench.datasets import Dataset, DatasetUnavailableError, Recording, concatenate
 from hystbench.datasets.recording_files import DEFAULT_TIME, DEFAULT_X, write_recording
-from hystbench.diagnosis.adequacy import forgiven
 from hystbench.diagnosis.blind.cases import DEVELOPMENT_PLANTS
 from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.excitation import design_next, margins
 from hystbench.diagnosis.from_benchmark import diagnose_model, gap_signals
+from hystbench.diagnosis.hypotheses.adequacy import forgiven
 from hystbench.diagnosis.inputs import read_inputs
 from hystbench.diagnosis.known_causes import KNOWN_CAUSES, known_cause
-from hystbench.diagnosis.signals import Signals
+from hystbench.diagnosis.recording.signals import Signals
 from hystbench.diagnosis.wording import sentence
 
 Floats = NDArray[np.float64]

@@ -10,11 +10,12 @@ from motions import swelling
 from numpy.typing import NDArray
 
 from hystbench.diagnosis.blind.cases import DEVELOPMENT_PLANTS
-from hystbench.diagnosis.diagnosis import Diagnosis, diagnose
+from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.effects.stribeck_friction import StribeckFriction
-from hystbench.diagnosis.emulation import SimulatorScene
-from hystbench.diagnosis.signals import Signals
-from hystbench.diagnosis.strain import is_strained
+from hystbench.diagnosis.emulator.emulation import SimulatorScene
+from hystbench.diagnosis.recording.signals import Signals
+from hystbench.diagnosis.result import Diagnosis
+from hystbench.diagnosis.verdict.strain import is_strained
 from hystbench.diagnosis.wording import summary
 
 Floats = NDArray[np.float64]

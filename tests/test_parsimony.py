@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from hystbench.diagnosis import registry
-from hystbench.diagnosis.adequacy import emulated
-from hystbench.diagnosis.emulation import SimulatorScene, emulate
-from hystbench.diagnosis.evidence import Evidence, Term, is_refitted
-from hystbench.diagnosis.operators import plays
-from hystbench.diagnosis.parsimony import fewest, rather_errors, rather_two
-from hystbench.diagnosis.signals import Signals
+from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
+from hystbench.diagnosis.hypotheses.adequacy import emulated
+from hystbench.diagnosis.hypotheses.evidence import Evidence, Term, is_refitted
+from hystbench.diagnosis.operators.memory import plays
+from hystbench.diagnosis.recording.signals import Signals
+from hystbench.diagnosis.verdict.parsimony import fewest, rather_errors, rather_two
 
 TIME = np.arange(3000) * 0.01
 X = np.sin(1.9 * TIME) * (0.6 + 0.3 * np.sin(0.3 * TIME)) + 0.2 * np.sin(5.2 * TIME)

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..evidence import Term, boxed_least_squares
-from ..search import Library
+from ..hypotheses.evidence import Term, boxed_least_squares
+from ..hypotheses.search import Library
 
 __all__ = ["by_correlation", "by_fit"]
 

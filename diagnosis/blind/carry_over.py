@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..diagnosis import Diagnosis
-from ..emulation import SimulatorScene
-from ..heldout import closed_share
+from ..emulator.emulation import SimulatorScene
+from ..hypotheses.heldout import closed_share
 from ..names import MISCALIBRATION, UNKNOWN
-from ..signals import Floats, Signals
+from ..recording.signals import Floats, Signals
+from ..result import Diagnosis
 
 __all__ = ["found_closed", "named_effects", "predicted_closed", "signal_on"]
 

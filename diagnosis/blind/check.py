@@ -21,10 +21,11 @@ from rich.progress import Progress
 from ...datasets.recording_files import DEFAULT_TIME, DEFAULT_X, DEFAULT_Y, write_recording
 from ...errors import InputError
 from ...files import replacing, write_text
-from ..diagnosis import Diagnosis, diagnose
+from ..diagnosis import diagnose
 from ..excitation import design_next
-from ..heldout import closed_share
+from ..hypotheses.heldout import closed_share
 from ..inputs import read_inputs
+from ..result import Diagnosis
 from .baselines import by_correlation, by_fit
 from .carry_over import found_closed, named_effects, predicted_closed, signal_on
 from .cases import SINE, TEST_PLANTS, USUAL, available, bank, group, outside_of, quick_part

@@ -32,7 +32,7 @@ def growth(measured: Sequence[dict[str, Any]]) -> float:
 
 def _diagnose(samples: int) -> dict[str, Any]:
     from ..diagnosis import diagnose
-    from ..signals import Signals
+    from ..recording.signals import Signals
 
     def recorded(count: int) -> Signals:
         return make(Case("asymmetric", ("viscous_friction",), 4.0, 0.0, "rich", 1), count / RATE, RATE).signals

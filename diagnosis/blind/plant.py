@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from ..signals import Signals
+from ..recording.signals import Signals
 
 __all__ = ["BASE_ERROR", "Case", "Joint", "Made", "Plant", "Remade", "sized"]
 

@@ -6,8 +6,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..masses import free_flight
-from ..operators import plays
+from ..operators.masses import free_flight
+from ..operators.memory import plays
 from .base import INPUT, Effect, Floats, Form, Parameter, Scene, geometric
 
 __all__ = ["Backlash"]

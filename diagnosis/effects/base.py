@@ -14,8 +14,8 @@ from typing import ClassVar, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..operators import rms
-from ..signals import Signals
+from ..recording.noise import rms
+from ..recording.signals import Signals
 
 __all__ = [
     "BOTH",
@@ -54,7 +54,7 @@ Floats = NDArray[np.float64]
 INPUT, TORQUE, SENSOR = "input", "torque", "sensor"
 ELAPSED, TRAVEL = "elapsed", "travel"
 CLOCKS: Mapping[str, str] = {ELAPSED: "time", TRAVEL: "travel"}
-"""What only grows in a recording, as :class:`~hystbench.diagnosis.signals.Signals` calls it, in words."""
+"""What only grows in a recording, as :class:`~hystbench.diagnosis.recording.signals.Signals` calls it, in words."""
 AT_BORDER = 0.04
 """Part of the way between a shape's limits from where it counts as having run to one."""
 LOW, HIGH, BOTH, NOT = (True, False), (False, True), (True, True), (False, False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..operators import rms
+from ..recording.noise import rms
 from .base import Floats, Scene
 
 __all__ = ["is_constant_friction", "is_one_sided_stiffness", "is_shifted_spring", "is_uniform"]

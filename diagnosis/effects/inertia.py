@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.signal import periodogram
 
-from ..signals import Signals
+from ..recording.signals import Signals
 from .base import (
     LOW,
     NOT,

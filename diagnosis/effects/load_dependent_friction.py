@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..levels import slid, yielding
+from ..operators.levels import slid, yielding
 from .base import (
     LOW,
     NOT,

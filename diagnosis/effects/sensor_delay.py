@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..operators import rms
+from ..recording.noise import rms
 from .base import SENSOR, Effect, Floats, Form, Parameter, Scene, geometric
 
 __all__ = ["SensorDelay"]

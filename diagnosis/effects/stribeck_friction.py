@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..levels import yielding
-from ..operators import rms
+from ..operators.levels import yielding
+from ..recording.noise import rms
 from .base import (
     LOW,
     NOT,

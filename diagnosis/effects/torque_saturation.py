@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..operators import plays
+from ..operators.memory import plays
 from .base import SENSOR, Effect, Floats, Form, Parameter, Scene
 
 __all__ = ["TorqueSaturation"]

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..operators import rms
+from ..recording.noise import rms
 from .base import Effect, Floats, Form, Parameter, Scene, at_either_end, between_ends, overdone
 from .images import is_constant_friction
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from .evidence import Evidence, Hypothesis, is_refitted
-from .names import GAIN
+from ..hypotheses.evidence import Evidence, Hypothesis, is_refitted
+from ..names import GAIN
 from .priors import prior
 
 __all__ = ["as_one_factor", "factor_of_all", "is_too_large"]

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from .effects.base import CLOCKS, Form
-from .emulation import SimulatorScene
-from .evidence import Evidence, Hypothesis, Term
-from .refinement import refine
+from ..effects.base import CLOCKS, Form
+from ..emulator.emulation import SimulatorScene
+from ..hypotheses.evidence import Evidence, Hypothesis, Term
+from ..hypotheses.refinement import refine
+from ..recording.signals import Floats, Signals
 from .rivals import SAME_BY_EYE
-from .signals import Floats, Signals
 
 __all__ = ["OtherClock", "follows_another_clock"]
 

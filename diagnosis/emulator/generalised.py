@@ -1,7 +1,7 @@
 """The built-in emulator: a generalised Prandtl-Ishlinskii model that is identified from a table of outputs.
 
 Elastic polynomial + stop operators and Dahl bristles (weights of one sign) + stops weighed by position + rate terms, and where
-that is not good enough what simulators are made of besides (see :mod:`hystbench.diagnosis.kinds`).
+that is not good enough what simulators are made of besides (see :mod:`hystbench.diagnosis.emulator.kinds`).
 """
 
 from __future__ import annotations
@@ -14,13 +14,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..operators.memory import bristle, plays, weighed
+from ..recording.noise import rms
+from ..recording.signals import Signals, differentiate
 from .elements import kinks_moved, stronger_of, tangents, torque_of, uncancelled
 from .growth import PLACED, RATES, STOPS, Growth
 from .kinds import ELASTIC, KINDS, KINKS, MEMORY
 from .motion import DIFFERENCES, Extent, Motion
-from .operators import bristle, plays, rms, weighed
 from .selection import CLEARLY, places_of, solve, spread, triangle
-from .signals import Signals, differentiate
 
 __all__ = ["Generalised", "motion_of", "predict_generalised", "relative_error", "spring_of", "strength_of"]
 

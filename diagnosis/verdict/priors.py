@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from .evidence import FINE, Evidence, Hypothesis
-from .names import GAIN
-from .operators import rms
+from ..hypotheses.evidence import FINE, Evidence, Hypothesis
+from ..names import GAIN
+from ..recording.noise import rms
 
 __all__ = ["BESIDE_OFF", "COMPANY_COST", "EFFECT_COST", "IDLE", "STANDS_IN", "prior"]
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .emulation import SimulatorScene
-from .evidence import Hypothesis, Term
+from ..emulator.emulation import SimulatorScene
+from ..hypotheses.evidence import Hypothesis, Term
 
 __all__ = ["Image", "imaged_by", "imitations", "without_image"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..models.motion import rough_differences
+from ...models.motion import rough_differences
 from .noise import interleaved
 from .signals import Signals
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from .adequacy import ALMOST_ALL, INEXACT_NEAR, is_adequate, left_by
-from .evidence import Evidence, Hypothesis, is_refitted
-from .names import GAIN
+from ..hypotheses.adequacy import ALMOST_ALL, INEXACT_NEAR, is_adequate, left_by
+from ..hypotheses.evidence import Evidence, Hypothesis, is_refitted
+from ..names import GAIN
 
 __all__ = ["fewest", "hardly_worse", "rather_errors", "rather_two", "simplest", "special_cases"]
 

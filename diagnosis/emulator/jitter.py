@@ -11,10 +11,10 @@ from functools import partial
 
 import numpy as np
 
+from ..recording.noise import rms
+from ..recording.signals import Signals
 from .emulation import GENERALISED, Emulator
 from .generalised import predict_beside
-from .operators import rms
-from .signals import Signals
 
 __all__ = ["without_jitter"]
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..recording.noise import rms
 from .kinds import ELASTIC, KINDS, MEMORY, RATE, Kind
 from .motion import Motion
-from .operators import rms
 
 __all__ = ["Further", "kinks_moved", "stronger_of", "tangents", "torque_of", "uncancelled"]
 

@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from ..bench.arguments import time_argument
-from ..errors import InputError
-from .effects.base import INPUT, Effect, Form
-from .emulation import Emulator, SimulatorScene, answers_of
+from ...bench.arguments import time_argument
+from ...errors import InputError
+from ..effects.base import INPUT, Effect, Form
+from ..emulator.emulation import Emulator, SimulatorScene, answers_of
+from ..recording.signals import Signals
 from .evidence import boxed_least_squares
-from .signals import Signals
 
 __all__ = ["fitted_again", "refitted_beside"]
 
@@ -49,7 +49,7 @@ def refitted_beside(signals: Signals, model: Any, emulator: Emulator, effects: S
     model : fitted model
         Of a class with ``fit``; it stays as it is.
     emulator : Emulator
-        Of the model, see :func:`hystbench.diagnosis.emulation.emulate`.
+        Of the model, see :func:`hystbench.diagnosis.emulator.emulation.emulate`.
     effects : sequence of Effect
         Beside which it is fitted again, one at a time.
 

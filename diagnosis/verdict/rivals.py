@@ -7,11 +7,11 @@ from collections.abc import Collection, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .evidence import Evidence, Hypothesis, is_refitted
-from .names import MISCALIBRATION
+from ..hypotheses.evidence import Evidence, Hypothesis, is_refitted
+from ..names import MISCALIBRATION
+from ..recording.signals import Signals
 from .parsimony import special_cases
 from .priors import BESIDE_OFF, COMPANY_COST, EFFECT_COST, IDLE, STANDS_IN
-from .signals import Signals
 
 __all__ = [
     "SAME_BY_EYE",

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..effects.base import Effect, Form
 from .adequacy import left_by
-from .effects.base import Effect, Form
 from .evidence import Evidence, Hypothesis, Scale, Term, boxed_least_squares, count_unknowns, is_refitted
 from .refinement import refine, refine_anyhow
 

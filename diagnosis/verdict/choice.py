@@ -8,24 +8,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .adequacy import ALMOST_ALL, emulated, forgiven_here, is_adequate, left_by, left_to_noise
+from ..hypotheses.adequacy import ALMOST_ALL, emulated, forgiven_here, is_adequate, left_by, left_to_noise
+from ..hypotheses.evidence import FINE, Evidence, Hypothesis, Scale, count_unknowns, is_refitted
+from ..hypotheses.heldout import HeldOut, held_out
+from ..hypotheses.search import NOTHING
+from ..names import GAIN, MISCALIBRATION, UNKNOWN
+from ..recording.hum import hum
+from ..recording.noise import rms, structured_power
+from ..recording.quantisation import torque_step
+from ..recording.roughness import roughness
+from ..recording.spikes import OUTLIERS, spikes
 from .calibration import CONFIDENCE, confidence
 from .clocks import OtherClock, follows_another_clock
-from .evidence import FINE, Evidence, Hypothesis, Scale, count_unknowns, is_refitted
-from .heldout import HeldOut, held_out
-from .hum import hum
 from .imitation import Image, imaged_by, imitations, without_image
-from .names import GAIN, MISCALIBRATION, UNKNOWN
-from .noise import structured_power
 from .one_factor import as_one_factor, factor_of_all, is_too_large
-from .operators import rms
 from .parsimony import fewest, hardly_worse, rather_errors, rather_two, simplest
 from .priors import BESIDE_OFF, IDLE, STANDS_IN, prior
-from .quantisation import torque_step
 from .rivals import SAME_BY_EYE, TEMPERATURE, effective_share, is_nested, is_poor, recalibration_rivals, weigh
-from .roughness import roughness
-from .search import NOTHING
-from .spikes import OUTLIERS, spikes
 from .strain import is_strained, largest_error
 
 __all__ = ["ENOUGH", "Choice", "choose"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .evidence import Evidence
+from ..hypotheses.evidence import Evidence
 
 __all__ = ["is_strained", "largest_error"]
 

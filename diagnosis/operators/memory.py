@@ -18,7 +18,6 @@ __all__ = [
     "pinched",
     "plays",
     "pressed",
-    "rms",
     "smooth",
     "weighed",
 ]
@@ -435,8 +434,3 @@ def lowpass(time: Floats, signal: Floats, tau: float) -> Floats:
     out = np.empty(signal.size)
     _lowpass(np.ascontiguousarray(time), np.ascontiguousarray(signal), float(tau), out)
     return out
-
-
-def rms(series: Floats) -> float:
-    """Root of the mean square."""
-    return float(np.sqrt(np.mean(np.square(series))))

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, median_filter
 from scipy.signal import savgol_coeffs, savgol_filter
 
-from ..models.motion import directions, noise_level, quantum, turning_points
-from .fractional import fractional
-from .masses import resonated
-from .noise import FARTHEST, independent, noise_levels
-from .operators import SAME_STEP, bristle, creeping, lowpass, plays, rms
+from ...models.motion import directions, noise_level, quantum, turning_points
+from ..operators.fractional import fractional
+from ..operators.masses import resonated
+from ..operators.memory import SAME_STEP, bristle, creeping, lowpass, plays
+from .noise import FARTHEST, independent, noise_levels, rms
 
 __all__ = ["COORDINATES", "Signals", "differentiate"]
 

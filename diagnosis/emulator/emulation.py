@@ -1,7 +1,7 @@
 """The simulator as the diagnosis knows it: its output, how it answers to another input, and where its parameters lead.
 
 With a saved model the answer to another input is the model's own. With only a table of outputs, an emulator is
-identified from it (see :mod:`hystbench.diagnosis.generalised`); where that is not good enough, registered models compete with it.
+identified from it (see :mod:`hystbench.diagnosis.emulator.generalised`); where that is not good enough, registered models compete with it.
 
 The simulator's own parameters may be off by a few per cent. To first order that adds a combination of the emulator's
 *tangent* columns, of two kinds: the fine structure of the loop (each element's torque and its change with the
@@ -19,11 +19,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import models
-from ..bench.arguments import time_argument
-from ..errors import InputError
+from ... import models
+from ...bench.arguments import time_argument
+from ...errors import InputError
+from ..recording.signals import Signals
 from .generalised import Generalised, motion_of, relative_error, spring_of, strength_of
-from .signals import Signals
 
 __all__ = ["GENERALISED", "Emulator", "SimulatorScene", "answers_of", "emulate"]
 

@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ..models.motion import noise_level
+from ...models.motion import noise_level
 
-__all__ = ["FARTHEST", "independent", "interleaved", "noise_levels", "structured_power"]
+__all__ = ["FARTHEST", "independent", "interleaved", "noise_levels", "rms", "structured_power"]
 
 Floats = NDArray[np.float64]
 SETTLED, FILTERED = 1.04, (1.4, 1.18, 1.1)
@@ -22,6 +22,11 @@ LOW_PASSED = 7
 """The same of noise behind a low pass, whose level grows steeply first and then stays."""
 LEVEL, LATER = (0.95, 1.05), (0.9, 1.12)
 """Factors by which such a level may differ from one stride to the next, and to the one after: a hum's falls faster."""
+
+
+def rms(series: Floats) -> float:
+    """Root of the mean square."""
+    return float(np.sqrt(np.mean(np.square(series))))
 
 
 def interleaved(runs: Sequence[slice], stride: int) -> list[slice]:

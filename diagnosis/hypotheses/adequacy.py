@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .effects.base import INPUT
+from ..effects.base import INPUT
+from ..recording.noise import LOW_PASSED, independent, noise_levels, structured_power
 from .evidence import Evidence, Hypothesis
-from .noise import LOW_PASSED, independent, noise_levels, structured_power
 
 __all__ = [
     "ALMOST_ALL",

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import nnls
 
-from ..models.least_squares import blocks, reduced
+from ...models.least_squares import blocks, reduced
 from .kinds import ELASTIC
 
 __all__ = ["CLEARLY", "EXACT", "WORTHWHILE", "Selection", "places_of", "solve", "spread", "triangle"]

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import expit
 
-from .levels import attracted, yielding
+from ..operators.levels import attracted, yielding
+from ..operators.memory import enveloped, hyperbolic, lowpass, plays
 from .motion import Motion
-from .operators import enveloped, hyperbolic, lowpass, plays
 
 __all__ = [
     "at_low_speed",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .operators import rms
+from .noise import rms
 
 __all__ = ["OUTLIERS", "spikes"]
 

@@ -16,9 +16,9 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from .masses import sliding
+from ..operators.masses import sliding
+from ..operators.memory import dashed, hardening, leaky, pinched, pressed, smooth
 from .motion import Extent, Motion
-from .operators import dashed, hardening, leaky, pinched, pressed, smooth
 from .single_elements import (
     at_low_speed,
     behind_play,

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..recording.noise import rms
 from .evidence import Evidence, Hypothesis
-from .operators import rms
 from .refinement import refine
 
 __all__ = ["HeldOut", "closed_share", "held_out"]

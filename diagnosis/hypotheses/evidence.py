@@ -17,10 +17,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..models.least_squares import blocks, reduced
-from .effects.base import INPUT, SENSOR, TORQUE, Effect, Form
-from .emulation import SimulatorScene
-from .operators import rms
+from ...models.least_squares import blocks, reduced
+from ..effects.base import INPUT, SENSOR, TORQUE, Effect, Form
+from ..emulator.emulation import SimulatorScene
+from ..recording.noise import rms
 
 __all__ = ["Evidence", "Hypothesis", "Term", "boxed_least_squares", "elsewhere", "is_refitted", "trusted"]
 

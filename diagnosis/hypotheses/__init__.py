@@ -1,0 +1,1 @@
+"""Sets of effects as explanations of a gap: how they are fitted, searched, and judged on samples that no fit saw."""
