@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..hypotheses.adequacy import ALMOST_ALL, emulated, forgiven_here, is_adequate, left_by, left_to_noise
-from ..hypotheses.evidence import FINE, Evidence, Hypothesis, Scale, count_unknowns, is_refitted
+from ..hypotheses.adequacy import ALMOST_ALL, emulated, forgiven_here, left_to_noise
+from ..hypotheses.evidence import Evidence, Hypothesis, is_refitted
 from ..hypotheses.heldout import HeldOut, held_out
-from ..hypotheses.search import NOTHING
 from ..names import GAIN, MISCALIBRATION, UNKNOWN
 from ..recording.hum import hum
 from ..recording.noise import rms, structured_power
@@ -22,38 +21,25 @@ from .calibration import CONFIDENCE, confidence
 from .clocks import OtherClock, follows_another_clock
 from .imitation import Image, imaged_by, imitations, without_image
 from .one_factor import as_one_factor, factor_of_all, is_too_large
-from .parsimony import fewest, hardly_worse, rather_errors, rather_two, simplest
-from .priors import BESIDE_OFF, IDLE, STANDS_IN, prior
+from .own_errors import OwnErrors, needs_largest, rather_errors, rather_off, rather_two
+from .parsimony import fewest, hardly_worse, simplest
+from .priors import prior
 from .rivals import SAME_BY_EYE, TEMPERATURE, effective_share, is_nested, is_poor, recalibration_rivals, weigh
-from .strain import is_strained, largest_error
 
 __all__ = ["ENOUGH", "Choice", "choose"]
 
 Floats = NDArray[np.float64]
 NEEDED = 0.2
 """Evidence a sample by which an effect must be needed beside a simulator that is off by a tenth."""
-BESIDE_ENOUGH = 0.09
-"""The same where that simulator alone leaves no more than an inexact law may."""
 DOUBT = 0.2
 """A cause less probable than this is not named; of those between this and a half most are right, and an honest figure is stated."""
 DOUBT_INSTEAD = 0.6
 """The same of one effect in place of several that are not named."""
 DOUBT_IN_COMPANY = 0.5
 """The same of several effects beside a simulator that is off as well: together they can imitate anything."""
-CONSTANTS = 3.0
-"""Free constants of a usual law; one with more must bring more."""
 BALANCED = 2.0
 """Size of an effect over the gap's beyond which others, or the refitted simulator, would have to cancel it: that is no
 explanation unless the effects close almost all of the gap by themselves, or without the one much is left."""
-NO_BETTER = 4.0
-"""Logarithm of the odds, for each constant of its law, up to which an effect beside an exact simulator is no better than a
-simulator that is off: every simulator is, by a little, and its errors are what such an effect would imitate."""
-CLEARLY_WORSE = 0.004
-"""Evidence a sample by which smaller errors must do worse than errors of a tenth for these to be needed."""
-FAR, AS_GOOD = 3.0, 0.004
-"""Error of one of the simulator's parameters, over a tenth, that is not believed where an effect beside the usual errors does as well,
-and evidence a sample by which that may do worse. Of 48 strangers' simulators that were off by 3 to 5 % alone five needed so much, of
-which four are not known as such with or without this."""
 CALIBRATED = 0.8
 """Share of a clear gap that a calibration alone must close."""
 ENOUGH = 0.5
@@ -165,44 +151,30 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     best = rather_errors(evidence, found, fewest(evidence, ranked, simple, energy))
     blank = found[0]
 
-    is_far = _is_too_far_off(evidence, blank)
-    strained = not evidence.fitted and is_strained(evidence)
-    is_enough = is_adequate(evidence, blank, energy)
-    is_beyond = not evidence.fitted and _needs_more_than_usual(evidence, blank) and largest_error(evidence) > FAR
-
-    def spares(hypothesis: Hypothesis) -> bool:
-        least = blank.score - AS_GOOD * evidence.effective
-        return is_beyond and len(hypothesis.terms) == 1 and _beside_usual(evidence, hypothesis) > least
-
-    def is_needed(hypothesis: Hypothesis) -> bool:
-        pliable = max(count_unknowns(hypothesis.terms) / CONSTANTS, 1.0)
-        enough = is_enough and not _makes_right(evidence, hypothesis, blank)
-        least = max(BESIDE_OFF * pliable, BESIDE_ENOUGH if enough else 0.0) * evidence.effective
-        # Errors beyond belief are no measure for what spares the simulator them.
-        if spares(hypothesis):
-            return True
-        is_free = is_far or (strained and _is_nearer(hypothesis, blank))
-        return hypothesis.score - blank.score >= (IDLE if is_free else least)
-
+    errors = OwnErrors(evidence, blank, energy)
     if not simple.terms and not evidence.fitted:
         single = (h for h in ranked if len(h.terms) == 1 and rms(h.signal) > SUBSTANTIAL * size)
-        best = next((h for h in single if is_needed(h) and _is_nearer(h, blank)), best)
-    sparing = [h for h in ranked if not best.terms and spares(h)]
-    if sparing:
-        one = max(sparing, key=lambda h: _beside_usual(evidence, h))
-        fitted = evidence.fit(one.terms, _usual(evidence))
-        best = replace(fitted, by_scale=one.by_scale, beside_exact=one.beside_exact)
+        best = next((h for h in single if errors.is_needed(h) and errors.are_smaller_beside(h)), best)
+    spared = None if best.terms else errors.spared(ranked)
+    if spared:
+        best = spared
         # Nor is anything else believed beside errors beyond the usual ones.
-        likely = {id(h): likely[id(h)] + min(_beside_usual(evidence, h) - h.score, 0.0) for h in found}
+        likely = {id(h): likely[id(h)] + errors.believed(h) for h in found}
         ranked = sorted(found, key=lambda h: -likely[id(h)])
     best = rather_two(evidence, found, best, energy)
-    best = best if spares(best) else _rather_off(evidence, best, blank, size)
+    best = best if errors.spares(best) else rather_off(evidence, best, blank, size)
     refit = _judge_refit(evidence, best, energy)
     if best.terms or refit.miscalibrated:
         other = as_one_factor(evidence, best, found, energy, size)
         if other is not best:
             best, refit = other, _judge_refit(evidence, other, energy)
-    if best.terms and best.names != {GAIN} and refit.miscalibrated and not evidence.fitted and not is_needed(best):
+    if (
+        best.terms
+        and best.names != {GAIN}
+        and refit.miscalibrated
+        and not evidence.fitted
+        and not errors.is_needed(best)
+    ):
         # The simulator is off in any case: an effect beside must be needed, not only welcome. Of one factor that is known.
         best, refit = blank, _judge_refit(evidence, blank, energy)
     if prior(evidence, best, size) == -np.inf:
@@ -215,7 +187,7 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         ranked = [hardly_worse(evidence, h) for h in ranked]
         likely |= {id(h): h.score + prior(evidence, h, size) for h in ranked if id(h) not in likely}
         ranked.sort(key=lambda h: -likely[id(h)])
-    field = _Field(evidence, found, ranked, np.array([likely[id(h)] for h in ranked]), energy, strained)
+    field = _Field(evidence, found, ranked, np.array([likely[id(h)] for h in ranked]), energy, errors.are_strained)
     choice = _stated(field, best, own, refit)
     doubtful = choice.verdict == [UNKNOWN] and evidence.is_beside_refit(best)
     return _rather_one(field, best, choice, size) if doubtful else choice
@@ -360,46 +332,6 @@ def _either_of_two(
     return confidence(CONFIDENCE, verdict, {**features, "margin": supported - max(apart, default=-np.inf)})
 
 
-def _rather_off(evidence: Evidence, best: Hypothesis, blank: Hypothesis, size: float) -> Hypothesis:
-    """``best``, or a simulator that is off in place of its one effect beside an exact one where that is no worse."""
-    if evidence.fitted or len(best.terms) != 1 or is_refitted(best.scale):
-        return best
-    if not best.names.isdisjoint(STANDS_IN) and best.scale[0] < FINE:
-        # One factor on all that an exact simulator says is no error.
-        return best
-    scale = max((s for s in blank.by_scale if is_refitted(s)), key=blank.by_scale.__getitem__)
-    worse = best.score + prior(evidence, best, size) - blank.by_scale[scale]
-    near = worse < NO_BETTER * count_unknowns(best.terms)
-    return replace(evidence.fit((), (scale,)), by_scale=blank.by_scale) if near else best
-
-
-def _makes_right(evidence: Evidence, hypothesis: Hypothesis, blank: Hypothesis) -> bool:
-    """Whether beside an effect, which leaves nothing, the simulator need not be off by as much as a tenth; patches don't do that."""
-    nearer = _needs_largest_errors(evidence, blank) and not _needs_largest_errors(evidence, hypothesis)
-    return nearer and left_by(evidence, hypothesis) < NOTHING
-
-
-def _usual(evidence: Evidence) -> list[Scale]:
-    """The simulators that are off by less than a tenth, or not at all."""
-    largest = max(evidence.scales)[1]
-    return [scale for scale in evidence.scales if scale[1] < largest]
-
-
-def _beside_usual(evidence: Evidence, hypothesis: Hypothesis) -> float:
-    """The most evidence for a hypothesis beside one of these."""
-    return max((hypothesis.by_scale.get(scale, -np.inf) for scale in _usual(evidence)), default=-np.inf)
-
-
-def _needs_more_than_usual(evidence: Evidence, hypothesis: Hypothesis) -> bool:
-    """Whether a hypothesis does clearly worse beside these."""
-    return hypothesis.score - _beside_usual(evidence, hypothesis) > CLEARLY_WORSE * evidence.effective
-
-
-def _is_nearer(hypothesis: Hypothesis, blank: Hypothesis) -> bool:
-    """Whether the simulator is nearer to right beside an effect; else the effect only patches what its errors leave."""
-    return hypothesis.scale != blank.scale and all(a <= b for a, b in zip(hypothesis.scale, blank.scale, strict=True))
-
-
 @dataclass(frozen=True)
 class _Refit:
     """What refitting the simulator does beside a hypothesis."""
@@ -430,7 +362,7 @@ def _judge_refit(evidence: Evidence, best: Hypothesis, energy: float) -> _Refit:
         share = RECALIBRATION_SHARE_POOR if is_poor(signals) else RECALIBRATION_SHARE
         needed = alone - together > max(share * energy, RECALIBRATION_CLEAR * floor**2)
         # Errors of a tenth that would make so little are the law's misfit; those of a fitted model are expected.
-        likely = is_refitted(best.scale) and (evidence.fitted or not _needs_largest_errors(evidence, best))
+        likely = is_refitted(best.scale) and (evidence.fitted or not needs_largest(evidence, best))
         off = bool(needed or (likely and gain > RECALIBRATION_WORTH))
     else:
         # With no effect at all, what the refit takes is the gap.
@@ -483,17 +415,4 @@ def _overstretched(evidence: Evidence, best: Hypothesis, features: dict[str, flo
     It is believed beside an effect without which much is left.
     """
     is_idle = features["over_null"] < NEEDED * evidence.effective
-    return bool(best.terms) and is_idle and _needs_largest_errors(evidence, best)
-
-
-def _needs_largest_errors(evidence: Evidence, hypothesis: Hypothesis) -> bool:
-    """Whether smaller errors than a tenth of the simulator's parameters do clearly worse beside a hypothesis."""
-    largest = max(evidence.scales)
-    smaller = max(score for scale, score in hypothesis.by_scale.items() if scale[1] < largest[1])
-    return hypothesis.scale == largest and hypothesis.by_scale[largest] - smaller > CLEARLY_WORSE * evidence.effective
-
-
-def _is_too_far_off(evidence: Evidence, blank: Hypothesis) -> bool:
-    """Whether errors of a tenth would be needed to make a gap that is smaller than such errors make."""
-    made = 0.5 * max(evidence.scales)[1] * float(np.std(evidence.scene.signals.y_sim))
-    return _needs_largest_errors(evidence, blank) and float(np.std(evidence.gap)) < made
+    return bool(best.terms) and is_idle and needs_largest(evidence, best)

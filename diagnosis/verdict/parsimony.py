@@ -9,9 +9,8 @@ import numpy as np
 
 from ..hypotheses.adequacy import ALMOST_ALL, INEXACT_NEAR, is_adequate, left_by
 from ..hypotheses.evidence import Evidence, Hypothesis, is_refitted
-from ..names import GAIN
 
-__all__ = ["fewest", "hardly_worse", "rather_errors", "rather_two", "simplest", "special_cases"]
+__all__ = ["beside_exact", "fewest", "hardly_worse", "in_place_of", "simplest", "special_cases"]
 
 WORTH = 0.04
 """Share of the gap's energy that an effect must close beside the others."""
@@ -31,12 +30,6 @@ PATCHES = 0.3
 """Evidence a sample that further effects may bring although there is nothing left for them to explain."""
 FURTHER = 0.05
 """The same beside an exact simulator, where nothing but a law that is not quite exact gives them anything to explain."""
-TWO, ONE = 0.014, 0.1
-"""Evidence a sample that two effects beside an exact simulator must bring beyond a simulator that is off, and beyond one effect
-beside an exact one."""
-SECOND = 0.006
-"""Evidence a sample that a second effect beside an exact simulator must bring beyond the errors of one that is off; of 80 such pairs
-of strangers, but for gains, it was 0.0083 at least."""
 
 
 def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) -> Hypothesis:
@@ -64,7 +57,7 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
         exact, refitted = by_names[names].beside_exact, by_names[fewer]
         if evidence.fitted or exact is None or not is_refitted(refitted.scale) or exact.score <= refitted.score:
             return False
-        patched = exact.score - _beside_exact(evidence, refitted).score <= PATCHES * evidence.effective
+        patched = exact.score - beside_exact(evidence, refitted).score <= PATCHES * evidence.effective
         return (
             len(names) < MANY
             and not patched
@@ -139,48 +132,12 @@ def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, e
         for hypothesis in ranked:
             if len(hypothesis.terms) != size or (size == len(best.terms) and hypothesis.names != best.names):
                 continue
-            beside = _beside_exact(evidence, hypothesis)
+            beside = beside_exact(evidence, hypothesis)
             if beside.score > least and _closes_almost_all(evidence, beside, energy) and leaves_little(beside):
-                made.append((beside.score, _in_place_of(hypothesis, beside)))
+                made.append((beside.score, in_place_of(hypothesis, beside)))
         if made:
             return max(made, key=lambda pair: pair[0])[1]
     return exact
-
-
-def rather_two(evidence: Evidence, found: Sequence[Hypothesis], blank: Hypothesis, energy: float) -> Hypothesis:
-    """Two effects beside an exact simulator in place of one that is off, where neither that nor one of them does nearly as well."""
-    if evidence.fitted or blank.terms or not is_refitted(blank.scale):
-        return blank
-    pairs = [(h.beside_exact.score, h) for h in found if len(h.terms) == 2 and h.beside_exact]
-    if not pairs:
-        return blank
-    score, pair = max(pairs, key=lambda each: each[0])
-    if score <= blank.score + TWO * evidence.effective:
-        return blank
-    one = max(_beside_exact(evidence, h).score for h in found if len(h.terms) == 1)
-    beside = _beside_exact(evidence, pair)
-    enough = score > one + ONE * evidence.effective and is_adequate(evidence, beside, energy)
-    return _in_place_of(pair, beside) if enough else blank
-
-
-def rather_errors(evidence: Evidence, found: Sequence[Hypothesis], best: Hypothesis) -> Hypothesis:
-    """One of two effects beside a simulator that is off, where it does nearly as well as both beside an exact one.
-
-    A gain is left to :mod:`.one_factor`: any errors of the simulator nearly make one.
-    """
-    if evidence.fitted or len(best.terms) != 2 or is_refitted(best.scale) or GAIN in best.names:
-        return best
-    off = [
-        (score, scale, h)
-        for h in found
-        if len(h.terms) == 1 and h.names < best.names
-        for scale, score in h.by_scale.items()
-        if is_refitted(scale)
-    ]
-    score, scale, one = max(off, key=lambda each: each[0], default=(-np.inf, best.scale, best))
-    if score < best.score - SECOND * evidence.effective:
-        return best
-    return replace(evidence.fit(one.terms, (scale,)), by_scale=one.by_scale, beside_exact=one.beside_exact)
 
 
 def hardly_worse(evidence: Evidence, hypothesis: Hypothesis) -> Hypothesis:
@@ -190,10 +147,10 @@ def hardly_worse(evidence: Evidence, hypothesis: Hypothesis) -> Hypothesis:
     if evidence.fitted or not few or close is None:
         return hypothesis
     near = close.score > hypothesis.score - HARDLY_WORSE * evidence.effective
-    return _in_place_of(hypothesis, close) if near else hypothesis
+    return in_place_of(hypothesis, close) if near else hypothesis
 
 
-def _beside_exact(evidence: Evidence, hypothesis: Hypothesis) -> Hypothesis:
+def beside_exact(evidence: Evidence, hypothesis: Hypothesis) -> Hypothesis:
     """The best that is known of the same effects beside an exact simulator."""
     return hypothesis.beside_exact or evidence.fit(hypothesis.terms, evidence.exact)
 
@@ -204,7 +161,7 @@ def _closes_almost_all(evidence: Evidence, hypothesis: Hypothesis, energy: float
     return left <= (1.0 - ALMOST_ALL) * energy
 
 
-def _in_place_of(hypothesis: Hypothesis, beside: Hypothesis) -> Hypothesis:
+def in_place_of(hypothesis: Hypothesis, beside: Hypothesis) -> Hypothesis:
     """``beside``, found beside an exact simulator, with the evidence that there is for the same effects beside any."""
     by_scale = {**hypothesis.by_scale, **beside.by_scale}
     return replace(beside, by_scale=by_scale, score=max(hypothesis.score, beside.score))
