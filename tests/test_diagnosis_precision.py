@@ -14,7 +14,7 @@ from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.hypotheses.evidence import Evidence, Term
 from hystbench.diagnosis.hypotheses.precision import intervals, told
-from hystbench.diagnosis.hypotheses.refinement import refine
+from hystbench.diagnosis.hypotheses.refinement import polish, refine
 from hystbench.diagnosis.recording.signals import Signals
 
 Floats = NDArray[np.float64]
@@ -54,7 +54,8 @@ def test_intervals_hold_the_truth_as_often_as_they_say(noise) -> None:  # type: 
         recorded = signals(real, noise(np.random.default_rng(draw)))
         evidence = Evidence(SimulatorScene(recorded, emulate(recorded, None)))
         form = next(form for form in effect.forms(evidence.scene) if form.name == "power law")
-        fitted = refine(evidence, evidence.fit((Term(effect, form, (1.0,)),), evidence.exact), 20, evidence.exact)
+        start = evidence.fit((Term(effect, form, (1.0,)),), evidence.exact)
+        fitted = polish(evidence, refine(evidence, start, 20, evidence.exact))
         found = intervals(evidence, fitted)["viscous_friction"]
         for name, value in truth.items():
             low, high = found[name] or (-np.inf, np.inf)
@@ -63,6 +64,25 @@ def test_intervals_hold_the_truth_as_often_as_they_say(noise) -> None:  # type: 
             assert high - low < 0.3 * value
     # 95 % of 20 are 19; fewer than 16 come by chance once in four hundred.
     assert min(held.values()) >= 16
+
+
+@pytest.mark.parametrize("draw", range(3))
+def test_a_long_recording_is_used_whole_for_the_figures_of_the_verdict(draw: int) -> None:
+    # Laws are compared on a part of it; a figure from that part would miss its interval three times too often.
+    time = np.linspace(0.0, 30.0, 12_000)
+    x = np.interp(time, TIME, X)
+    speed = np.gradient(x, time)
+    real = joint(x) + DAMPING * np.abs(speed) ** 1.43 * np.sign(speed)
+    noise = NOISE * np.random.default_rng(draw).standard_normal(x.size)
+    found = diagnose(Signals(time, x, real + noise, joint(x), [slice(0, x.size)], {}))
+    assert found.verdict == ["viscous_friction"]
+    low, high = found.parameter_intervals["viscous_friction"]["power"] or (0.0, np.inf)
+    best = found.choice.hypothesis
+    (term,) = best.terms
+    for step in (-0.125, 0.125):
+        # Half a standard error to either side.
+        moved = Term(term.effect, term.form, (term.shape[0] + step * (high - low),), term.laws)
+        assert found.evidence.fit((moved,), (best.scale,)).rss > best.rss
 
 
 def test_a_limit_that_was_never_reached_is_not_determined() -> None:

@@ -22,8 +22,9 @@ STARTS = 2
 """Elements to choose from at which each begins."""
 ALIKE = 0.8
 """Correlation of two elements from which both would lead to the same."""
-STEPS, MORE = 10, 30
-"""Steps of the optimiser for each element that is added, and once all are there."""
+STEPS, MORE = (10, 3e-3), (30, 1e-4)
+"""Steps of the optimiser for each element that is added, and the share by which the last must still make the sum of squares smaller;
+the same once all are there."""
 ROWS = 1400
 """Samples that are enough to place elements by."""
 WIDE = 2e-3
@@ -158,8 +159,8 @@ class _Maker:
         kept = weights > 0.0
         return (self._sizes(logs), error) if np.all(kept) else (self._sizes(logs)[kept], float(left))
 
-    def _moved(self, logs: Floats, steps: int, moving: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Those sizes of each element that are ``moving`` (m,) moved from ``logs`` (any,) on in so many steps, and the error."""
+    def _moved(self, logs: Floats, steps: tuple[int, float], moving: NDArray[np.bool_]) -> tuple[Floats, float]:
+        """Those sizes of each element that are ``moving`` (m,) moved from ``logs`` (any,) on in so many steps (see ``STEPS``), and the error."""
         count = logs.size // self._low.size
         which, made = np.tile(moving, count), logs.copy()
         within = np.tile(self._low, count)[which], np.tile(self._high, count)[which]
@@ -174,7 +175,7 @@ class _Maker:
         def slopes(moved: Floats) -> Floats:
             return self._slopes(at(moved).reshape(count, -1), moving)
 
-        found = least_squares(left, logs[which], slopes, bounds=within, max_nfev=steps)
+        found = least_squares(left, logs[which], slopes, bounds=within, max_nfev=steps[0], ftol=steps[1])
         return at(found.x), float(np.linalg.norm(found.fun))
 
     def _slopes(self, logs: Floats, moving: NDArray[np.bool_]) -> Floats:

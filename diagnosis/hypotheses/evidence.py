@@ -52,8 +52,8 @@ OVERDONE = 3
 """Free constants by which a law is charged that takes away what a simulator has too much of."""
 TRUSTED = 6000.0
 """Samples beyond which evidence does not grow."""
-ENOUGH = 2500
-"""Samples on which shapes are refined."""
+ENOUGH = 1500
+"""Samples on which laws are compared with their shapes moved."""
 KEPT = 5
 """Parts of a recording for which what is needed to judge hypotheses on them is kept: a set of folds."""
 ORDER = {INPUT: 0, TORQUE: 1, SENSOR: 2}
@@ -316,7 +316,7 @@ class Evidence:
 
     @functools.cached_property
     def fewer(self) -> Evidence:
-        """The same on some thousand samples spread over the recording, which are enough to place a shape."""
+        """The same on some thousand samples spread over the recording, which are enough to tell laws apart."""
         step = self.size // ENOUGH
         if step < 2:
             return self

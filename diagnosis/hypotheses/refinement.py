@@ -8,6 +8,7 @@ The residual is a function of the shapes alone: for each of them the best coeffi
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from scipy.optimize import least_squares
 
 from .evidence import RIDGE, Evidence, Hypothesis, Scale, Term, are_seen_by_others, effect_columns
 
-__all__ = ["refine", "refine_anyhow"]
+__all__ = ["polish", "refine", "refine_anyhow"]
 
 Floats = NDArray[np.float64]
 STEP, SHORTEST = 3e-3, 0.02
@@ -25,12 +26,29 @@ STEP, SHORTEST = 3e-3, 0.02
 def refine(evidence: Evidence, start: Hypothesis, evaluations: int = 10, scales: Sequence[Scale] = ()) -> Hypothesis:
     """Move the shapes of ``start`` to their best values; then choose again among ``scales``, by default all.
 
-    ``start`` itself where that is no better.
+    They are moved by samples that are enough to compare laws. ``start`` itself where that is no better.
     """
+    return _refined(evidence, evidence.fewer, start, evaluations, scales)
+
+
+def polish(evidence: Evidence, hypothesis: Hypothesis) -> Hypothesis:
+    """The same beside the same simulator, with its shapes at their best on all samples: as precise as their intervals say."""
+    if evidence.fewer is evidence:
+        return hypothesis
+    found = _refined(evidence, evidence, hypothesis, 10, (hypothesis.scale,))
+    if found is hypothesis:
+        return hypothesis
+    return replace(found, by_scale=evidence.fit(found.terms).by_scale, beside_exact=hypothesis.beside_exact)
+
+
+def _refined(
+    evidence: Evidence, by: Evidence, start: Hypothesis, evaluations: int, scales: Sequence[Scale]
+) -> Hypothesis:
+    """``start`` with its shapes where they are best ``by`` some of the samples; itself where that is no better on all."""
     places = _Places(start.terms)
     if not places.slots:
         return start
-    profile = _Profile(evidence, start, places)
+    profile = _Profile(by, start, places)
     found = least_squares(
         profile.left, places.first, profile.slopes, bounds=places.ends, max_nfev=evaluations, xtol=1e-3, ftol=1e-4,
         x_scale=np.maximum(0.2 * places.range, 1e-12),
@@ -86,7 +104,7 @@ class _Profile:
     """What is left as a function of the shapes, over the noise, and its slopes."""
 
     def __init__(self, evidence: Evidence, start: Hypothesis, places: _Places) -> None:
-        self._evidence, self._scale, self._places = evidence.fewer, start.scale, places
+        self._evidence, self._scale, self._places = evidence, start.scale, places
         self._sigma = evidence.sigma
         self._at, self._fitted = np.empty(0), start
 
@@ -112,7 +130,8 @@ class _Profile:
             made[:, k] = (there @ fitted.coefficients - signal)[rows] / step
         lower, upper = (np.concatenate([getattr(t.form, end) for t in fitted.terms]) for end in ("lower", "upper"))
         free = (fitted.coefficients > lower) & (fitted.coefficients < upper)
-        made, basis = self._whitened(made), self._whitened(columns[rows][:, free])
+        both = self._whitened(np.hstack([made, columns[rows][:, free]]))
+        made, basis = both[:, : values.size], both[:, values.size :]
         gram = basis.T @ basis
         # What has no torque here, as a limit beyond all torque, has no ridge of its own size.
         size = np.diag(gram)

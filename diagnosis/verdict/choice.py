@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..hypotheses.adequacy import ALMOST_ALL, emulated, forgiven_here, left_to_noise
 from ..hypotheses.evidence import Evidence, Hypothesis, is_refitted
 from ..hypotheses.heldout import HeldOut, held_out
+from ..hypotheses.refinement import polish
 from ..names import GAIN, MISCALIBRATION, UNKNOWN
 from ..recording.hum import hum
 from ..recording.noise import rms, structured_power
@@ -163,6 +164,7 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         ranked = sorted(found, key=lambda h: -likely[id(h)])
     best = rather_two(evidence, found, best, energy)
     best = best if errors.spares(best) else rather_off(evidence, best, blank, size)
+    best = polish(evidence, best)
     refit = _judge_refit(evidence, best, energy)
     if best.terms or refit.miscalibrated:
         other = as_one_factor(evidence, best, found, energy, size)
@@ -225,6 +227,7 @@ def _rather_one(field: _Field, best: Hypothesis, choice: Choice, size: float) ->
     if clear and single.names == best.names:
         return choice
     one = single if clear else blank
+    one = polish(evidence, one)
     own = one.score + prior(evidence, one, size)
     other = _stated(field, one, own, _judge_refit(evidence, one, field.energy))
     if clear:
