@@ -13,6 +13,7 @@ from hystbench.diagnosis.blind.cases import DEVELOPMENT_PLANTS
 from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.effects.stribeck_friction import StribeckFriction
 from hystbench.diagnosis.emulator.emulation import SimulatorScene
+from hystbench.diagnosis.operators.levels import yielding
 from hystbench.diagnosis.recording.signals import Signals
 from hystbench.diagnosis.result import Diagnosis
 from hystbench.diagnosis.verdict.strain import is_strained
@@ -108,6 +109,16 @@ def test_friction_of_constant_size_is_not_blamed_on_a_damper_that_saturates() ->
     withheld = diagnosed(rubbing, ("coulomb_friction",))
     assert withheld.verdict == ["unknown"]
     assert any(note.startswith("viscous friction would explain it, but on this joint") for note in withheld.notes)
+
+
+@pytest.mark.parametrize(("excess", "constant"), [(0.1, True), (1.5, False)])
+def test_friction_that_hardly_falls_is_constant_friction_also_where_it_builds_up_over_a_distance(
+    excess: float, constant: bool
+) -> None:
+    signals = Signals(TIME, X, joint(X), joint(X), [slice(0, X.size)], {})
+    level = 1.0 + excess * np.exp(-np.square(signals.speed / (0.4 * np.std(signals.speed))))
+    added = yielding(X, level, 0.02)
+    assert StribeckFriction().imitates(added, SimulatorScene(signals)) == (("coulomb_friction",) if constant else ())
 
 
 @pytest.mark.parametrize(("rising", "constant"), [(1.5, True), (0.0, False)])

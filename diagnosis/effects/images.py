@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from ..recording.noise import rms
@@ -17,16 +19,21 @@ def share_made(signal: Floats, column: Floats) -> float:
 
 
 CONSTANT = 0.97
-"""Share of the energy of what is added that friction of constant size would make, from which it is no less that; of 40 frictions
+"""Share of the energy of what is added that friction of constant size would make, from which it is no less that; of 80 frictions
 that fell with speed it was 0.89 at most."""
 TRANSITIONS = (0.003, 0.01, 0.03, 0.1, 0.3)
 """Speeds over which the sign of such friction may be smooth, over the root mean square of the speed."""
+DISTANCES = (0.003, 0.006, 0.01, 0.02, 0.04, 0.08)
+"""Distances over which it may build up, over half the range of the deflection."""
 
 
 def is_constant_friction(signal: Floats, scene: Scene) -> bool:
     """Whether what is added, ``signal`` (n,), N·m, is hardly anything but dry friction of constant size."""
-    speed = scene.signals.speed / max(rms(scene.signals.speed), 1e-300)
-    return any(share_made(signal, np.tanh(speed / transition)) > CONSTANT for transition in TRANSITIONS)
+    signals = scene.signals
+    speed = signals.speed / max(rms(signals.speed), 1e-300)
+    smooth = (np.tanh(speed / transition) for transition in TRANSITIONS)
+    presliding = (signals.bristle(distance * signals.reach) for distance in DISTANCES)
+    return any(share_made(signal, sign) > CONSTANT for sign in itertools.chain(smooth, presliding))
 
 
 ONE_SIDED = 0.965
