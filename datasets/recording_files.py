@@ -227,7 +227,9 @@ class _Table:
             if pd.isna(cell) or str(cell).strip() == "":
                 what, advice = "is blank or NaN", "fill or remove such rows"
             elif isinstance(cell, str) and cell.strip().lower() not in ("inf", "-inf", "+inf", "infinity", "-infinity"):
-                what, advice = f"holds the text {_short(cell)}", "write a number there"
+                what = f"holds the text {_short(cell)}"
+                is_unit = k == 0 and bad.size == 1
+                advice = "if that line tells units, remove it" if is_unit else "write a number there"
                 if _is_decimal_comma(cell):
                     advice = "write decimals with a point"
             else:

@@ -103,7 +103,8 @@ def changed(row: int, column: str, value: object) -> pd.DataFrame:
 
 
 BAD_FILES = {
-    "text in a number": (changed(7, "torque_nm", "abc"), ["line 9", "torque_nm", "abc"]),
+    "text in a number": (changed(7, "torque_nm", "abc"), ["line 9", "torque_nm", "abc", "write a number there"]),
+    "a line of units": (changed(0, "torque_nm", "Nm"), ["line 2", "torque_nm", "'Nm'", "units, remove it"]),
     "a missing value": (changed(7, "deflection_rad", None), ["line 9", "deflection_rad"]),
     "infinity": (changed(7, "deflection_rad", "inf"), ["line 9", "deflection_rad"]),
     "time backwards": (changed(7, "time_s", 0.01), ["line 9", "time_s", "backwards"]),
