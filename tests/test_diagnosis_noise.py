@@ -52,6 +52,21 @@ def test_an_effect_that_changes_fast_does_not_make_correlated_noise_structure() 
     assert diagnose(signals).verdict == ["inertia"]
 
 
+@pytest.mark.parametrize("waves", [60.0, 80.0, 100.0])
+def test_a_ripple_too_fine_for_the_samples_is_no_noise_behind_a_low_pass(waves: float) -> None:
+    """It is correlated over a few samples as such noise is, but only while the joint moves; ``waves`` per radian."""
+    rng = np.random.default_rng(5)
+    time = np.arange(4000) * 0.02
+    motion = zip((0.3, 0.25, 0.2, 0.15, 0.1), (0.11, 0.23, 0.41, 0.67, 0.93), strict=True)
+    x = sum(size * np.sin(2.0 * np.pi * f * time + rng.uniform(0.0, 6.28)) for size, f in motion)
+    y = 4.0 * x + sliders(x, ((6.0, 0.12), (2.0, 0.15)))
+    noise = 0.01 * rng.standard_normal(x.size)
+    signals = Signals(time, x, y + 0.05 * np.sin(waves * x) + noise, y, [slice(0, x.size)], {})
+    assert independent(noise_levels(signals.gap, signals.runs)) > FARTHEST
+    assert signals.noise_floor < 0.02
+    assert signals.correlated == 1
+
+
 @pytest.mark.parametrize("cut_off", [0.15, 0.25, 0.45])
 @pytest.mark.parametrize("gap", [0.0, 6.0])
 def test_noise_behind_a_low_pass_is_noise(cut_off: float, gap: float) -> None:

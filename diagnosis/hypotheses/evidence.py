@@ -52,7 +52,7 @@ OVERDONE = 3
 """Free constants by which a law is charged that takes away what a simulator has too much of."""
 TRUSTED = 6000.0
 """Samples beyond which evidence does not grow."""
-ENOUGH = 1500
+ENOUGH = 2500
 """Samples on which laws are compared with their shapes moved."""
 KEPT = 5
 """Parts of a recording for which what is needed to judge hypotheses on them is kept: a set of folds."""

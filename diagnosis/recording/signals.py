@@ -19,7 +19,7 @@ from ...models.motion import directions, noise_level, quantum, turning_points
 from ..operators.fractional import fractional
 from ..operators.masses import resonated
 from ..operators.memory import SAME_STEP, bristle, creeping, lowpass, plays
-from .noise import FARTHEST, independent, noise_levels, rms
+from .noise import FARTHEST, STRONGER, at_rest_and_moving, independent, noise_levels, rms
 
 __all__ = ["COORDINATES", "Signals", "differentiate"]
 
@@ -102,13 +102,22 @@ class Signals:
         """Samples that lie apart as far as noise is told from structure: densely sampled noise is often filtered."""
         fastest = rms(self.speed) / max(float(np.std(self.smooth_x)), 1e-300)
         dense = int(np.clip(APART / max(fastest * self.interval, 1e-300), 1, FARTHEST))
-        return max(dense, independent(self._noise_levels))
+        return max(dense, self._apart)
 
     @cached_property
     def correlated(self) -> int:
         """Samples of which noise behind a low pass leaves but one that tells anything new; 1 where it is white or nearly."""
+        return self._apart if self._apart > FARTHEST else 1
+
+    @cached_property
+    def _apart(self) -> int:
+        """Samples apart from where noise is correlated no more; a ripple that looks like noise behind a low pass is none."""
         apart = independent(self._noise_levels)
-        return apart if apart > FARTHEST else 1
+        if apart <= FARTHEST:
+            return apart
+        # Neighbours are still too near for a ripple to rise above white noise.
+        at_rest, moving = at_rest_and_moving(self.gap, self.speed, self.runs, 2)
+        return 1 if moving > STRONGER * at_rest else apart
 
     @cached_property
     def _noise_levels(self) -> list[float]:
