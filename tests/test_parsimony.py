@@ -13,7 +13,8 @@ from hystbench.diagnosis.hypotheses.adequacy import emulated
 from hystbench.diagnosis.hypotheses.evidence import Evidence, Term, is_refitted
 from hystbench.diagnosis.operators.memory import plays
 from hystbench.diagnosis.recording.signals import Signals
-from hystbench.diagnosis.verdict.parsimony import fewest, rather_errors, rather_two
+from hystbench.diagnosis.verdict.own_errors import rather_errors, rather_two
+from hystbench.diagnosis.verdict.parsimony import fewest
 
 TIME = np.arange(3000) * 0.01
 X = np.sin(1.9 * TIME) * (0.6 + 0.3 * np.sin(0.3 * TIME)) + 0.2 * np.sin(5.2 * TIME)
