@@ -28,20 +28,20 @@ def refine(evidence: Evidence, start: Hypothesis, evaluations: int = 10, scales:
 
     They are moved by samples that are enough to compare laws. ``start`` itself where that is no better.
     """
-    return _refined(evidence, evidence.fewer, start, evaluations, scales)
+    return _moved(evidence, evidence.fewer, start, evaluations, scales)
 
 
 def polish(evidence: Evidence, hypothesis: Hypothesis) -> Hypothesis:
     """The same beside the same simulator, with its shapes at their best on all samples: as precise as their intervals say."""
     if evidence.fewer is evidence:
         return hypothesis
-    found = _refined(evidence, evidence, hypothesis, 10, (hypothesis.scale,))
+    found = _moved(evidence, evidence, hypothesis, 10, (hypothesis.scale,))
     if found is hypothesis:
         return hypothesis
     return replace(found, by_scale=evidence.fit(found.terms).by_scale, beside_exact=hypothesis.beside_exact)
 
 
-def _refined(
+def _moved(
     evidence: Evidence, by: Evidence, start: Hypothesis, evaluations: int, scales: Sequence[Scale]
 ) -> Hypothesis:
     """``start`` with its shapes where they are best ``by`` some of the samples; itself where that is no better on all."""

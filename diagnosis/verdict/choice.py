@@ -226,8 +226,7 @@ def _rather_one(field: _Field, best: Hypothesis, choice: Choice, size: float) ->
     clear = single.score - blank.score > NEEDED * evidence.effective
     if clear and single.names == best.names:
         return choice
-    one = single if clear else blank
-    one = polish(evidence, one)
+    one = polish(evidence, single if clear else blank)
     own = one.score + prior(evidence, one, size)
     other = _stated(field, one, own, _judge_refit(evidence, one, field.energy))
     if clear:

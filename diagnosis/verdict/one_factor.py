@@ -9,6 +9,7 @@ import numpy as np
 
 from ..hypotheses.evidence import Evidence, Hypothesis, is_refitted
 from ..names import GAIN
+from .own_errors import usual
 from .priors import prior
 
 __all__ = ["as_one_factor", "factor_of_all", "is_too_large"]
@@ -48,8 +49,7 @@ def as_one_factor(
         if behind < AGAINST_ONE_FACTOR and leaves(factor) < ONE_FACTOR:
             return factor
         # Beside one the simulator's errors may be the usual ones.
-        usual = [scale for scale in evidence.scales if 0.0 < scale[1] < max(evidence.scales)[1]]
-        beside = evidence.fit(factor.terms, usual)
+        beside = evidence.fit(factor.terms, [scale for scale in usual(evidence) if scale[1] > 0.0])
         if beside.score - best.score > FOR_ONE_FACTOR and leaves(beside) < SEVERAL:
             return beside
         return beside if is_too_large(evidence, energy) else best

@@ -19,7 +19,7 @@ from .parsimony import beside_exact, in_place_of
 from .priors import BESIDE_OFF, IDLE, STANDS_IN, prior
 from .strain import is_strained, largest_error
 
-__all__ = ["OwnErrors", "needs_largest", "rather_errors", "rather_off", "rather_two"]
+__all__ = ["OwnErrors", "needs_largest", "rather_errors", "rather_off", "rather_two", "usual"]
 
 NO_BETTER = 4.0
 """Logarithm of the odds, for each constant of its law, up to which an effect beside an exact simulator is no better than a
@@ -136,7 +136,7 @@ class OwnErrors:
         sparing = [h for h in ranked if self.spares(h)]
         if not sparing:
             return None
-        return _at(self.evidence, max(sparing, key=lambda h: _beside_usual(self.evidence, h)), _usual(self.evidence))
+        return _at(self.evidence, max(sparing, key=lambda h: _beside_usual(self.evidence, h)), usual(self.evidence))
 
     def believed(self, hypothesis: Hypothesis) -> float:
         """What the evidence for a hypothesis loses where the simulator may be off by no more than usual; zero or less."""
@@ -165,7 +165,7 @@ class OwnErrors:
         return nearer and left_by(self.evidence, hypothesis) < NOTHING
 
 
-def _usual(evidence: Evidence) -> list[Scale]:
+def usual(evidence: Evidence) -> list[Scale]:
     """The simulators that are off by less than a tenth, or not at all."""
     largest = max(evidence.scales)[1]
     return [scale for scale in evidence.scales if scale[1] < largest]
@@ -173,7 +173,7 @@ def _usual(evidence: Evidence) -> list[Scale]:
 
 def _beside_usual(evidence: Evidence, hypothesis: Hypothesis) -> float:
     """The most evidence for a hypothesis beside one of these."""
-    return max((hypothesis.by_scale.get(scale, -np.inf) for scale in _usual(evidence)), default=-np.inf)
+    return max((hypothesis.by_scale.get(scale, -np.inf) for scale in usual(evidence)), default=-np.inf)
 
 
 def _at(evidence: Evidence, hypothesis: Hypothesis, scales: Sequence[Scale]) -> Hypothesis:
