@@ -251,9 +251,16 @@ def test_any_recording(folder: Path, content: bytes, model: str, what: str) -> N
         assert behaves(["predict", "fitted.json", "given.csv", "--out", "out.csv"]) == 0
 
 
-@examples(80)
-@given(data=st.data())
-def test_any_model_file(folder: Path, data: st.DataObject) -> None:
+@examples(120)
+@given(
+    data=st.data(),
+    words=st.sampled_from([
+        ["predict", "odd.json", "loop.csv", "--out", "out.csv"],
+        ["invert", "odd.json", "loop.csv", "--out", "out.csv", "--approximate"],
+        ["diagnose", "loop.csv", "--sim", "odd.json"],
+    ]),
+)  # fmt: skip
+def test_any_model_file(folder: Path, data: st.DataObject, words: list[str]) -> None:
     document = json.loads((folder / "model.json").read_text())
     if data.draw(st.integers(0, 4)):
         part = document
@@ -266,11 +273,7 @@ def test_any_model_file(folder: Path, data: st.DataObject) -> None:
     else:
         document = data.draw(JSON)
     (folder / "odd.json").write_text(json.dumps(document))
-    for words in (["predict"], ["invert", "--approximate"], ["diagnose", "--sim"]):
-        if words[0] == "diagnose":
-            behaves(["diagnose", "loop.csv", "--sim", "odd.json"])
-        else:
-            behaves([*words, "odd.json", "loop.csv", "--out", "out.csv"])
+    behaves(words)
 
 
 @st.composite

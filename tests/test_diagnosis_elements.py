@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from dataclasses import replace
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 from joints import sliders
 from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
 from simulators import INTERVAL, JOINTS, Joint, damped_bristles, damper, kinked, lagging, metal, two_sliders
 
 from hystbench.diagnosis.corrected import CorrectedSimulator
@@ -17,7 +19,7 @@ from hystbench.diagnosis.emulator import generalised
 from hystbench.diagnosis.emulator.emulation import emulate
 from hystbench.diagnosis.emulator.generalised import Generalised, spring_of
 from hystbench.diagnosis.operators.levels import attracted
-from hystbench.diagnosis.operators.memory import hyperbolic
+from hystbench.diagnosis.operators.memory import hyperbolic, pinched, smooth
 from hystbench.diagnosis.recording.noise import rms
 from hystbench.diagnosis.recording.signals import Signals
 from hystbench.errors import InputError
@@ -234,6 +236,34 @@ def test_hyperbolic_friction_is_half_way_after_its_length_and_does_not_know_time
     assert f[25] == pytest.approx(-0.25)
     finer = hyperbolic(np.interp(np.arange(0.0, x.size - 1, 0.25), np.arange(x.size), x), 0.1)
     assert finer[::4] == pytest.approx(f[:-1])
+
+
+@pytest.mark.parametrize("pinch", [(), (0.3, 0.1, 0.4), (0.95, 0.9, 0.08), (0.95, 0.005, 1.5)])
+@pytest.mark.parametrize(("exponent", "share"), [(1.0, 0.3), (1.0, 1.0), (2.0, 0.6), (7.0, 2.0)])
+def test_smooth_and_pinched_loops_are_solutions_of_their_equation(
+    exponent: float, share: float, pinch: tuple[float, ...]
+) -> None:
+    length, turns = 0.15, [0.0, 0.4, -0.05, 0.02, -0.6, -0.55, -0.7, 0.3]
+    samples = [np.linspace(a, b, 40)[1:] for a, b in itertools.pairwise(turns)]
+    # Noise turns round at any time, and a rest is no turn.
+    shaken = turns[-1] + 0.004 * np.random.default_rng(3).standard_normal(30)
+    x = np.concatenate([[0.0], *samples, [turns[-1]] * 3, shaken])
+
+    def slope(_: float, z: Floats, way: float) -> Floats:
+        into = way * z / length
+        level = 1.0 - (share * np.sign(into) + 1.0 - share) * np.abs(into) ** exponent
+        depth, place, width = pinch or (0.0, 0.0, 1.0)
+        return way * (1.0 - depth * np.exp(-(((into - place) / width) ** 2))) * level
+
+    z, wanted = np.zeros(1), [0.0]
+    for step in np.diff(x):
+        if step:
+            z = solve_ivp(
+                slope, (0.0, abs(step)), z, args=(np.sign(step),), rtol=1e-9, atol=1e-10, max_step=0.1 * length
+            ).y[:, -1]
+        wanted.append(float(z[0]))
+    found = pinched(x, length, exponent, share, *pinch) if pinch else smooth(x, length, exponent, share)
+    assert found == pytest.approx(wanted, abs=6e-5 * length)
 
 
 def test_model_file_keeps_further_elements_and_tells_what_is_wrong_with_them() -> None:

@@ -317,7 +317,7 @@ class Evidence:
     @functools.cached_property
     def fewer(self) -> Evidence:
         """The same on some thousand samples spread over the recording, which are enough to tell laws apart."""
-        step = self.size // ENOUGH
+        step = round(self.size / ENOUGH)
         if step < 2:
             return self
         rows = np.zeros_like(self.rows)

@@ -40,6 +40,8 @@ LAWS, EXACT_LAWS = 2, 1
 """Other laws of an effect in company that are tried, and those that are beside an exact simulator."""
 NEARLY = 0.02
 """Evidence a sample by which a law may fall behind and still be refined further."""
+WITHIN_REACH = 0.05
+"""The same for a set whose laws are to be replaced: hardly any replacement brings more."""
 STEPS = 3
 """Replacements of one law by another in a row."""
 AT_FIRST = 0.2
@@ -54,7 +56,7 @@ class Library:
     """The columns of every effect, law and starting shape, and their products, computed once."""
 
     def __init__(self, evidence: Evidence, effects: Sequence[Effect]) -> None:
-        self.evidence = evidence
+        self.evidence, self.by = evidence, evidence.fewer
         self.terms: list[Term] = []
         self._laws: list[list[int]] = []
         """Numbers of the terms of each law."""
@@ -68,7 +70,7 @@ class Library:
             for form in forms:
                 numbers = []
                 for shape in form.grid:
-                    columns = form.columns(evidence.scene, shape)[evidence.rows]
+                    columns = form.columns(evidence.scene, shape)[self.by.rows]
                     if not np.all(np.isfinite(columns)) or not np.any(columns):
                         continue
                     numbers.append(len(self.terms))
@@ -87,8 +89,8 @@ class Library:
         """Of each column of these, shape (k,)."""
         self._blocks = [matrix]
         self._gram = matrix.T @ matrix
-        self._moment = matrix.T @ evidence.gap
-        self._inside = evidence.inside(matrix)
+        self._moment = matrix.T @ self.by.gap
+        self._inside = self.by.inside(matrix)
         self._taken: dict[Scale, tuple[Floats, Floats, float]] = {}
 
     def add(self, terms: Sequence[Term]) -> tuple[int, ...]:
@@ -99,7 +101,7 @@ class Library:
         made: list[Floats] = []
         numbers, start = [], self._moment.size
         for term in terms:
-            columns = term.form.columns(self.evidence.scene, term.shape)[self.evidence.rows]
+            columns = term.form.columns(self.evidence.scene, term.shape)[self.by.rows]
             numbers.append(len(self.terms))
             self.terms.append(term)
             self.slices.append(slice(start, start + columns.shape[1]))
@@ -109,8 +111,8 @@ class Library:
         across = np.vstack([block.T @ new for block in self._blocks])
         self._blocks.append(new)
         self._gram = np.block([[self._gram, across], [across.T, new.T @ new]])
-        self._moment = np.concatenate([self._moment, new.T @ self.evidence.gap])
-        self._inside = np.hstack([self._inside, self.evidence.inside(new)])
+        self._moment = np.concatenate([self._moment, new.T @ self.by.gap])
+        self._inside = np.hstack([self._inside, self.by.inside(new)])
         self._taken.clear()
         return tuple(numbers)
 
@@ -121,13 +123,13 @@ class Library:
 
     def moments(self, scale: Scale) -> tuple[Floats, Floats, float]:
         """Whitened Gram matrix, moments and energy at a scale of parameter errors."""
-        gram, moment, energy = self.evidence.reduced(self._gram, self._moment, self._inside, [scale])
+        gram, moment, energy = self.by.reduced(self._gram, self._moment, self._inside, [scale])
         return gram[0], moment[0], float(energy[0])
 
     def _taken_at(self, scale: Scale) -> tuple[Floats, Floats, float]:
         """What a refit takes of each column, shape (k, m), and what stays of the moments (k,) and of the energy."""
         if scale not in self._taken:
-            of_columns, of_moments, energy = self.evidence.taken(self._inside, scale)
+            of_columns, of_moments, energy = self.by.taken(self._inside, scale)
             self._taken[scale] = of_columns, self._moment - of_moments, energy
         return self._taken[scale]
 
@@ -165,8 +167,8 @@ class Library:
                 taken_here = of_columns[index]
                 left = gram - taken_here @ taken_here.transpose(0, 2, 1)
                 _, reduction = boxed_least_squares(left, moment[index], lower, upper)
-                rss = np.maximum(energy - reduction, 1e-12 * self.evidence.gap_energy)
-                best = np.maximum(best, self.evidence.score(rss[:, None], [scale], unknowns)[:, 0])
+                rss = np.maximum(energy - reduction, 1e-12 * self.by.gap_energy)
+                best = np.maximum(best, self.by.score(rss[:, None], [scale], unknowns)[:, 0])
             scores[chosen] = best
         found = []
         for numbers in self._laws:
@@ -233,7 +235,10 @@ def search(library: Library, wide: int = 9, most: int = 3) -> list[Hypothesis]:
                 _note_exact(exact, better)
         if size > 1:
             # In company only the most likely sets are worth other forms.
-            for fitted, numbers in sorted(refined.values(), key=lambda item: -item[0].score)[: 4 - size]:
+            likely = sorted(refined.values(), key=lambda item: -item[0].score)[: 4 - size]
+            for fitted, numbers in likely:
+                if fitted.score < likely[0][0].score - WITHIN_REACH * evidence.effective:
+                    break
                 for better in (
                     *_successors(evidence, fitted),
                     *_siblings(evidence, fitted),
