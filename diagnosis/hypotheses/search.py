@@ -56,7 +56,7 @@ class Library:
     """The columns of every effect, law and starting shape, and their products, computed once."""
 
     def __init__(self, evidence: Evidence, effects: Sequence[Effect]) -> None:
-        self.evidence, self.by = evidence, evidence.fewer
+        self.evidence, self.by = evidence, evidence.fewest
         self.terms: list[Term] = []
         self._laws: list[list[int]] = []
         """Numbers of the terms of each law."""
