@@ -19,7 +19,8 @@ from hystbench.diagnosis.emulator import generalised
 from hystbench.diagnosis.emulator.emulation import emulate
 from hystbench.diagnosis.emulator.generalised import Generalised, spring_of
 from hystbench.diagnosis.operators.levels import attracted
-from hystbench.diagnosis.operators.memory import hyperbolic, pinched, smooth
+from hystbench.diagnosis.operators.memory import hyperbolic
+from hystbench.diagnosis.operators.smooth_loops import pinched, smooth
 from hystbench.diagnosis.recording.noise import rms
 from hystbench.diagnosis.recording.signals import Signals
 from hystbench.errors import InputError

@@ -17,7 +17,7 @@ CONSTANT = 1e-10
 
 def by_correlation(library: Library) -> str:
     """The effect one of whose signals correlates most with the gap."""
-    gap, sums = library.by.gap, library.sums
+    gap, sums = library.spread.gap, library.sums
     gram, moment, energy = library.moments((0.0, 0.0))
     squares, moment = np.diagonal(gram)[: sums.size], moment[: sums.size]
     # A constant correlates with nothing once the mean is out, so it is compared about zero.

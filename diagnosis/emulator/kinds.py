@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..operators.masses import sliding
-from ..operators.memory import dashed, hardening, leaky, pinched, pressed, smooth
+from ..operators.memory import dashed, hardening, leaky, pressed
+from ..operators.smooth_loops import pinched, smooth
 from .motion import Extent, Motion
 from .single_elements import (
     at_low_speed,

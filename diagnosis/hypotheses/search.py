@@ -56,7 +56,9 @@ class Library:
     """The columns of every effect, law and starting shape, and their products, computed once."""
 
     def __init__(self, evidence: Evidence, effects: Sequence[Effect]) -> None:
-        self.evidence, self.by = evidence, evidence.fewest
+        self.evidence = evidence
+        self.spread = evidence.sparse
+        """By samples spread over the recording: enough to compare laws and the shapes from which they start."""
         self.terms: list[Term] = []
         self._laws: list[list[int]] = []
         """Numbers of the terms of each law."""
@@ -70,7 +72,7 @@ class Library:
             for form in forms:
                 numbers = []
                 for shape in form.grid:
-                    columns = form.columns(evidence.scene, shape)[self.by.rows]
+                    columns = form.columns(evidence.scene, shape)[self.spread.rows]
                     if not np.all(np.isfinite(columns)) or not np.any(columns):
                         continue
                     numbers.append(len(self.terms))
@@ -89,8 +91,8 @@ class Library:
         """Of each column of these, shape (k,)."""
         self._blocks = [matrix]
         self._gram = matrix.T @ matrix
-        self._moment = matrix.T @ self.by.gap
-        self._inside = self.by.inside(matrix)
+        self._moment = matrix.T @ self.spread.gap
+        self._inside = self.spread.inside(matrix)
         self._taken: dict[Scale, tuple[Floats, Floats, float]] = {}
 
     def add(self, terms: Sequence[Term]) -> tuple[int, ...]:
@@ -101,7 +103,7 @@ class Library:
         made: list[Floats] = []
         numbers, start = [], self._moment.size
         for term in terms:
-            columns = term.form.columns(self.evidence.scene, term.shape)[self.by.rows]
+            columns = term.form.columns(self.evidence.scene, term.shape)[self.spread.rows]
             numbers.append(len(self.terms))
             self.terms.append(term)
             self.slices.append(slice(start, start + columns.shape[1]))
@@ -111,8 +113,8 @@ class Library:
         across = np.vstack([block.T @ new for block in self._blocks])
         self._blocks.append(new)
         self._gram = np.block([[self._gram, across], [across.T, new.T @ new]])
-        self._moment = np.concatenate([self._moment, new.T @ self.by.gap])
-        self._inside = np.hstack([self._inside, self.by.inside(new)])
+        self._moment = np.concatenate([self._moment, new.T @ self.spread.gap])
+        self._inside = np.hstack([self._inside, self.spread.inside(new)])
         self._taken.clear()
         return tuple(numbers)
 
@@ -123,13 +125,13 @@ class Library:
 
     def moments(self, scale: Scale) -> tuple[Floats, Floats, float]:
         """Whitened Gram matrix, moments and energy at a scale of parameter errors."""
-        gram, moment, energy = self.by.reduced(self._gram, self._moment, self._inside, [scale])
+        gram, moment, energy = self.spread.reduced(self._gram, self._moment, self._inside, [scale])
         return gram[0], moment[0], float(energy[0])
 
     def _taken_at(self, scale: Scale) -> tuple[Floats, Floats, float]:
         """What a refit takes of each column, shape (k, m), and what stays of the moments (k,) and of the energy."""
         if scale not in self._taken:
-            of_columns, of_moments, energy = self.by.taken(self._inside, scale)
+            of_columns, of_moments, energy = self.spread.taken(self._inside, scale)
             self._taken[scale] = of_columns, self._moment - of_moments, energy
         return self._taken[scale]
 
@@ -167,8 +169,8 @@ class Library:
                 taken_here = of_columns[index]
                 left = gram - taken_here @ taken_here.transpose(0, 2, 1)
                 _, reduction = boxed_least_squares(left, moment[index], lower, upper)
-                rss = np.maximum(energy - reduction, 1e-12 * self.by.gap_energy)
-                best = np.maximum(best, self.by.score(rss[:, None], [scale], unknowns)[:, 0])
+                rss = np.maximum(energy - reduction, 1e-12 * self.spread.gap_energy)
+                best = np.maximum(best, self.spread.score(rss[:, None], [scale], unknowns)[:, 0])
             scores[chosen] = best
         found = []
         for numbers in self._laws:

@@ -15,10 +15,8 @@ __all__ = [
     "hyperbolic",
     "leaky",
     "lowpass",
-    "pinched",
     "plays",
     "pressed",
-    "smooth",
     "weighed",
 ]
 
@@ -27,11 +25,6 @@ SAME_STEP = 1e-9
 """Relative difference of two intervals that is only rounding of the times."""
 SMOOTH = 0.4
 """Longest step along a smooth loop behind a dashpot, in its own lengths over its steepness."""
-SETTLED = 1e-5
-"""Slope from which on a smooth loop is level, over its first one."""
-KNOTS, LONGEST, ENTERED = 0.1, 20_000, 3
-"""Steps along the curve of a smooth loop, in its own lengths over its steepness and in widths of a pinch; how many at most to where it
-is level, for some pinches it never passes; and Newton's steps to where it is entered."""
 NEWTON = 30
 """Steps at most to where metal yields again."""
 STABLE, DASHED = 0.3, 60
@@ -116,71 +109,6 @@ def _weighed(x, u, thresholds, stops, placed, lengths, signs, out):
             built[k] = towards + (built[k] - towards) * np.exp(-abs(moved) / lengths[k])
             total += signs[k] * lengths[k] * built[k]
         out[i] = total
-
-
-@njit(cache=True)
-def _rate(q, way, exponent, share, depth, place, width):
-    # Of a smooth loop where it has come from zero by q in the direction of the motion, or, way = -1, has still to go by q to zero.
-    level = 1.0 - share * q**exponent
-    return level if depth == 0.0 else (1.0 - depth * np.exp(-(((way * q - place) / width) ** 2))) * level
-
-
-@njit(cache=True)
-def _from_zero(h, way, exponent, share, depth, place, width):
-    # The loop's curve at steps h from zero on until one, or until it hardly goes on.
-    q, made = 0.0, [0.0]
-    while q < 1.0 and 1.0 - share * q**exponent > SETTLED and len(made) < LONGEST:
-        k1 = _rate(q, way, exponent, share, depth, place, width)
-        k2 = _rate(q + 0.5 * h * k1, way, exponent, share, depth, place, width)
-        k3 = _rate(q + 0.5 * h * k2, way, exponent, share, depth, place, width)
-        k4 = _rate(q + h * k3, way, exponent, share, depth, place, width)
-        q += h * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0
-        made.append(q)
-    return np.array(made)
-
-
-@njit(cache=True)
-def _between(u, first, last, first_slope, last_slope):
-    # A cubic with these values and slopes at its ends, u = 0 and 1, and its own slope.
-    a, b = first_slope - (last - first), last - first - last_slope
-    bent = a * (1.0 - u) + b * u
-    return first + u * (last - first + (1.0 - u) * bent), last - first + (1.0 - 2.0 * u) * bent + u * (1.0 - u) * (
-        b - a
-    )
-
-
-@njit(cache=True)
-def _along_curve(x, length, exponent, share, depth, place, width, out):
-    # As long as x moves one way, all loops run along one curve from -1 to 1, wherever they enter it: it is made once.
-    back = 1.0 - 2.0 * share
-    h = KNOTS / (max(1.0, exponent) * max(1.0, abs(back)))
-    if depth > 0.0:
-        h = min(h, KNOTS * width)
-    before = _from_zero(h, -1.0, exponent, back, depth, place, width)
-    curve = np.concatenate((-before[:0:-1], _from_zero(h, 1.0, exponent, 1.0, depth, place, width)))
-    slopes = np.empty(curve.size)
-    for k in range(curve.size):
-        way, of = (-1.0, back) if curve[k] < 0.0 else (1.0, 1.0)
-        slopes[k] = h * _rate(abs(curve[k]), way, exponent, of, depth, place, width)
-    end = curve.size - 1.0
-    q, way, at = 0.0, 0.0, 0.0
-    out[0] = 0.0
-    for i in range(1, x.size):
-        moved = x[i] - x[i - 1]
-        if moved != 0.0:
-            now = 1.0 if moved > 0.0 else -1.0
-            if now != way:
-                q, way = -q, now
-                k = min(max(np.searchsorted(curve, q, side="right") - 1, 0), curve.size - 2)
-                u = min(max((q - curve[k]) / (curve[k + 1] - curve[k]), 0.0), 1.0)
-                for _ in range(ENTERED):
-                    there, slope = _between(u, curve[k], curve[k + 1], slopes[k], slopes[k + 1])
-                    u = min(max(u - (there - q) / max(slope, 1e-300), 0.0), 1.0)
-                at = k + u
-            at = min(at + abs(moved) / (length * h), end)
-            k = max(min(int(at), curve.size - 2), 0)
-            q, _ = _between(at - k, curve[k], curve[k + 1], slopes[k], slopes[k + 1])
-        out[i] = way * q * length
 
 
 @njit(cache=True)
@@ -340,30 +268,6 @@ def pressed(x: Floats, length: float, width: float, power: float) -> Floats:
     return out
 
 
-def smooth(x: Floats, length: float, exponent: float, share: float) -> Floats:
-    """Bouc-Wen element of unit stiffness over ``x`` (n,) from rest that saturates at ``length``, shape (n,).
-
-    ``share`` is that of beta in beta + gamma. It is followed to some 1e-5 of its length, in a fraction of the
-    time that the registered model takes (Wen, J. Eng. Mech. Div. 102, 1976).
-    """
-    out = np.empty(x.size)
-    _along_curve(np.ascontiguousarray(x), float(length), float(exponent), float(share), 0.0, 0.0, 1.0, out)
-    return out
-
-
-def pinched(
-    x: Floats, length: float, exponent: float, share: float, depth: float, place: float, width: float
-) -> Floats:
-    """What :func:`smooth` makes, its stiffness less by the share ``depth`` at ``place`` of ``length`` past zero, shape (n,).
-
-    The pinch is as wide as ``width`` of ``length`` (Baber and Noori, J. Eng. Mech. 111, 1985, 1010–1026).
-    """
-    out = np.empty(x.size)
-    x = np.ascontiguousarray(x)
-    _along_curve(x, float(length), float(exponent), float(share), float(depth), float(place), float(width), out)
-    return out
-
-
 def hardening(
     x: Floats,
     length: float,
@@ -389,7 +293,7 @@ def hardening(
 def dashed(
     time: Floats, x: Floats, length: float, exponent: float, share: float, after: float, beside: float, stiffness: float
 ) -> Floats:
-    """A :func:`smooth` element with a dashpot and a spring beside it, all behind another dashpot, over ``x`` (n,) from rest.
+    """A :func:`.smooth_loops.smooth` element with a dashpot and a spring beside it, all behind another dashpot, over ``x`` (n,) from rest.
 
     The dashpots are ``beside`` and ``after``, s, and the spring ``stiffness``, over the element's stiffness; shape (n,). Where
     no time passes it is dragged along slowly (Spencer et al., J. Eng. Mech. 123, 1997, 230-238, without the spring k1).
