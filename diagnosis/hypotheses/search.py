@@ -40,8 +40,6 @@ LAWS, EXACT_LAWS = 2, 1
 """Other laws of an effect in company that are tried, and those that are beside an exact simulator."""
 NEARLY = 0.02
 """Evidence a sample by which a law may fall behind and still be refined further."""
-WITHIN_REACH = 0.05
-"""The same for a set whose laws are to be replaced: hardly any replacement brings more."""
 STEPS = 3
 """Replacements of one law by another in a row."""
 AT_FIRST = 0.2
@@ -237,10 +235,7 @@ def search(library: Library, wide: int = 9, most: int = 3) -> list[Hypothesis]:
                 _note_exact(exact, better)
         if size > 1:
             # In company only the most likely sets are worth other forms.
-            likely = sorted(refined.values(), key=lambda item: -item[0].score)[: 4 - size]
-            for fitted, numbers in likely:
-                if fitted.score < likely[0][0].score - WITHIN_REACH * evidence.effective:
-                    break
+            for fitted, numbers in sorted(refined.values(), key=lambda item: -item[0].score)[: 4 - size]:
                 for better in (
                     *_successors(evidence, fitted),
                     *_siblings(evidence, fitted),
