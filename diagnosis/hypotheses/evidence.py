@@ -321,7 +321,7 @@ class Evidence:
 
     @functools.cached_property
     def sparse(self) -> Evidence:
-        """The same on about half as many, which are enough to compare laws and where their shapes start."""
+        """The same on as few as half of those, which are enough to compare laws and where their shapes start."""
         return self._every(round(self.size / ENOUGH))
 
     def _every(self, step: int) -> Evidence:
@@ -330,7 +330,7 @@ class Evidence:
             return self
         rows = np.zeros_like(self.rows)
         rows[np.flatnonzero(self.rows)[::step]] = True
-        return Evidence(self.scene, rows, self.fitted)
+        return self.on(rows)
 
     def on(self, rows: NDArray[np.bool_]) -> Evidence:
         """The same on some samples only, kept for the next hypothesis that is judged on them."""

@@ -26,7 +26,7 @@ STEP, SHORTEST = 3e-3, 0.02
 def refine(evidence: Evidence, start: Hypothesis, evaluations: int = 10, scales: Sequence[Scale] = ()) -> Hypothesis:
     """Move the shapes of ``start`` to their best values; then choose again among ``scales``, by default all.
 
-    They are moved by samples that are enough to compare laws. ``start`` itself where that is no better.
+    They are moved by samples that are enough for that. ``start`` itself where that is no better.
     """
     return _moved(evidence, evidence.fewer, start, evaluations, scales)
 

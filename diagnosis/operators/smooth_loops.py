@@ -88,7 +88,7 @@ def _along_curve(x, length, exponent, share, depth, place, width, out):
 def smooth(x: Floats, length: float, exponent: float, share: float) -> Floats:
     """Bouc-Wen element of unit stiffness over ``x`` (n,) from rest that saturates at ``length``, shape (n,).
 
-    ``share`` is that of beta in beta + gamma. It is followed to some 1e-5 of its length, in a fraction of the
+    ``share`` is that of beta in beta + gamma. It is followed to 5e-5 of its length, in a fraction of the
     time that the registered model takes (Wen, J. Eng. Mech. Div. 102, 1976).
     """
     out = np.empty(x.size)
