@@ -28,9 +28,21 @@ def hat_basis(x: Floats, vertices: Floats) -> Floats:
 
     Outside the vertices the end segments are continued.
     """
+    return _hats(x, vertices, *_places(x, vertices))
+
+
+def _places(x: Floats, vertices: Floats) -> tuple[NDArray[np.intp], Floats]:
+    """The segment of each point and how far along it the point lies, as a fraction of its width."""
     k = np.clip(np.searchsorted(vertices, x) - 1, 0, vertices.size - 2)
+    return k, (x - vertices[k]) / _widths(vertices)[k]
+
+
+def _widths(vertices: Floats) -> Floats:
     # Vertices that a search has moved into one another share their place.
-    fraction = (x - vertices[k]) / np.maximum(vertices[k + 1] - vertices[k], np.finfo(float).tiny)
+    return np.maximum(np.diff(vertices), np.finfo(float).tiny)
+
+
+def _hats(x: Floats, vertices: Floats, k: NDArray[np.intp], fraction: Floats) -> Floats:
     basis = np.zeros((x.size, vertices.size))
     rows = np.arange(x.size)
     basis[rows, k] = 1.0 - fraction
@@ -248,10 +260,34 @@ def _rising_error(x: Floats, y: Floats, vertices: Floats) -> float:
 def _profile(x: Floats, y: Floats, vertices: Floats) -> tuple[Floats, float]:
     """Residuals and their sum of squares at the best ordinates for these vertices."""
     basis = hat_basis(x, vertices)
-    # A tiny ridge keeps the problem defined where a segment holds no points.
-    gram = basis.T @ basis + 1e-12 * x.size * np.eye(basis.shape[1])
-    residuals = basis @ np.linalg.solve(gram, basis.T @ y) - y
+    residuals = basis @ np.linalg.solve(_gram(basis), basis.T @ y) - y
     return residuals, float(residuals @ residuals)
+
+
+def _gram(basis: Floats) -> Floats:
+    # A tiny ridge keeps the problem defined where a segment holds no points.
+    return basis.T @ basis + 1e-12 * basis.shape[0] * np.eye(basis.shape[1])
+
+
+def _profile_slopes(x: Floats, y: Floats, vertices: Floats) -> Floats:
+    """Derivatives of the residuals, shape (n, m), by the vertices' abscissae; the best ordinates follow these.
+
+    Variable projection (Golub and Pereyra, 1973): the ordinates c solve GᵀG c = Gᵀy of the design G, so that
+    dc = (GᵀG)⁻¹ (−dGᵀ r − Gᵀ dG c).
+    """
+    k, fraction = _places(x, vertices)
+    basis = _hats(x, vertices, k, fraction)
+    gram = _gram(basis)
+    ordinates = np.linalg.solve(gram, basis.T @ y)
+    residuals = basis @ ordinates - y
+    segments, width = vertices.size - 1, _widths(vertices)
+    # A vertex that moves takes the line on either side along: by the line's slope, as far as its hat reaches.
+    held = -basis * (np.diff(ordinates) / width)[k][:, np.newaxis]
+    left = np.bincount(k, (1.0 - fraction) * residuals, segments) / width
+    right = np.bincount(k, fraction * residuals, segments) / width
+    turned = np.diag(np.append(left, 0.0) - np.insert(right, 0, 0.0)) + np.diag(right, 1) - np.diag(left, -1)
+    result: Floats = held - basis @ np.linalg.solve(gram, turned + basis.T @ held)
+    return result
 
 
 def _refine(x: Floats, y: Floats, vertices: Floats) -> Floats:
@@ -271,9 +307,19 @@ def _refine(x: Floats, y: Floats, vertices: Floats) -> Floats:
     def residuals(unknowns: Floats) -> Floats:
         return _profile(x, y, moved(unknowns))[0]
 
+    def slopes(unknowns: Floats) -> Floats:
+        vertices = moved(unknowns)
+        shares = np.diff(vertices) / span
+        # A gap that widens pushes the vertices behind it outwards, and shrinks with all others to the same span.
+        below = np.tri(vertices.size, unknowns.size, k=-1)
+        shifts = (below - ((vertices - low) / span)[:, np.newaxis]) * (span * shares[:-1])
+        result: Floats = _profile_slopes(x, y, vertices) @ shifts
+        return result
+
     found = least_squares(
         residuals,
         logarithms[:-1] - logarithms[-1],
+        jac=slopes,
         x_scale=0.1,
         xtol=1e-12,
         ftol=1e-12,
