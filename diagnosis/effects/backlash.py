@@ -19,7 +19,10 @@ quantile of the slopes there that the steps rest on: too steep only makes them s
 AT_FLANK = 1e-6
 """Distance from a flank, over the clearance's half, that is contact."""
 FLANKS = np.linspace(-1.0, 1.0, 7)
-IN_SERIES = "x = x - g,  g where y = 0 if that is within ±clearance / 2, else at the flank to which y presses it"
+IN_SERIES = (
+    "x = x - g in all that does not follow speed or acceleration alone,  g where that adds up to y = 0 if it is within "
+    "±clearance / 2, else at the flank to which it presses"
+)
 IN_FLIGHT = (
     "x = x - g,  g at the flank ±clearance / 2 to which y presses it; where y passes zero the load flies across, swinging at "
     "load_frequency from its speed there: no torque until it hits, then load_inertia times its change of speed"
@@ -74,19 +77,25 @@ def _crossed(scene: Scene, half: float) -> Floats:
 
     Loaded, it lies at the flank that the torque presses it to; where the torque is nil the joint stands still and the
     motion carries it across. So the joint's deflection is the one without torque, as near as the flanks let it come:
-    Newton's steps towards that, all samples at once.
+    Newton's steps towards that, all samples at once. Damping and mass are the drive's: a joint that had them would leave
+    its place slowly, and here it would be thrown from one to the next.
     """
     s = scene.signals
     x = joint = s.smooth_x
     noise = s.x - x
-    torque = scene.torque_at(s.x)
+    torque = _beyond(scene, s.x)
     stiffness = np.full_like(x, _stiffness(x, torque) or _probed(scene, half))
     for _ in range(ROUNDS):
         joint, before = np.clip(joint - torque / stiffness, x - half, x + half), torque
-        torque = scene.torque_at(joint + noise)
+        torque = _beyond(scene, joint + noise)
         # A step too far: the joint is stiffer here.
         stiffness[torque * before < 0.0] *= 2.0
     return x - np.clip(joint - torque / stiffness, x - half, x + half)
+
+
+def _beyond(scene: Scene, x: Floats) -> Floats:
+    """Torque of what lies behind the clearance if its deflection were ``x`` (n,), N·m."""
+    return scene.torque_at(x) - scene.drag_at(x)
 
 
 def _stiffness(x: Floats, torque: Floats) -> float:
@@ -99,12 +108,18 @@ def _stiffness(x: Floats, torque: Floats) -> float:
 def _probed(scene: Scene, half: float) -> float:
     """The same from the torque at either flank."""
     x = scene.signals.x
-    across = np.abs(scene.torque_at(x + half) - scene.torque_at(x - half))
+    across = np.abs(_beyond(scene, x + half) - _beyond(scene, x - half))
     return max(float(np.max(across)) / (2.0 * half), 1e-300)
 
 
 def _series(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return scene.torque_change(scene.signals.x - _across(scene, shape[0]))[:, None]
+    return _loosened(scene, _across(scene, shape[0]))[:, None]
+
+
+def _loosened(scene: Scene, across: Floats) -> Floats:
+    """Change of the simulator's output for a position within the clearance, N·m; what drags is felt as before."""
+    x = scene.signals.x
+    return scene.torque_change(x - across) - scene.drag_at(x - across) + scene.drag_at(x)
 
 
 def _flight(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -114,7 +129,7 @@ def _flight(scene: Scene, shape: tuple[float, ...]) -> Floats:
     pressed = np.sign(settled) * (np.abs(settled) >= (1.0 - AT_FLANK) * half)
     flown = [free_flight(s.time[run], s.smooth_x[run], s.speed[run], pressed[run], half, frequency) for run in s.runs]
     across, free, hit = (np.concatenate(parts) for parts in zip(*flown, strict=True))
-    change = scene.torque_change(s.x - across)
+    change = _loosened(scene, across)
     # Nothing loads the drive while the load flies.
     return np.column_stack([np.where(free > 0.0, -scene.torque, change), hit])
 

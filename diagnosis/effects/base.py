@@ -102,6 +102,10 @@ class Scene(Protocol):
         """The torque so far if the input were ``x`` instead, N·m, shape (n,)."""
         ...
 
+    def drag_at(self, x: Floats) -> Floats:
+        """What of the simulator's output follows speed and acceleration alone, for ``x`` instead, N·m, shape (n,)."""
+        ...
+
     def remembered(self, key: Hashable, make: Callable[[], Floats]) -> Floats:
         """What ``make`` gives, kept for the next call with ``key``."""
         ...

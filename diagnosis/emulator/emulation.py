@@ -23,7 +23,7 @@ from ... import models
 from ...bench.arguments import time_argument
 from ...errors import InputError
 from ..recording.signals import Signals
-from .generalised import Generalised, motion_of, relative_error, spring_of, strength_of
+from .generalised import Generalised, drag_of, motion_beside, motion_of, relative_error, spring_of, strength_of
 
 __all__ = ["GENERALISED", "Emulator", "SimulatorScene", "answers_of", "emulate"]
 
@@ -108,6 +108,10 @@ class SimulatorScene:
     def torque_at(self, x: Floats) -> Floats:
         """The torque so far if the input were ``x`` (n,), N·m."""
         return self.emulator.predict(x) if self.emulator.refitted else self.torque + self.torque_change(x)
+
+    def drag_at(self, x: Floats) -> Floats:
+        """What of the simulator's output follows speed and acceleration alone, if its input were ``x`` (n,), N·m."""
+        return drag_of(self.emulator.split, motion_beside(self.signals, x))
 
     @property
     def spring(self) -> Floats:

@@ -279,14 +279,7 @@ class Generalised:
 
 def predict_beside(parameters: Mapping[str, Any], signals: Signals, x: Floats) -> Floats:
     """Output of what was identified for another input ``x`` (n,) at the samples of ``signals``."""
-    change = x - signals.x
-    speed, acceleration = signals.speed, signals.acceleration
-    if np.any(change):
-        # The change is far smoother than the measured input, so it may be differentiated as it is.
-        added = signals.slope(change)
-        speed = speed + added
-        acceleration = acceleration + signals.slope(added)
-    return predict_generalised(parameters, Motion(signals.time, x, speed, acceleration, signals.runs))
+    return predict_generalised(parameters, motion_beside(signals, x))
 
 
 def relative_error(predicted: Floats, wanted: Floats) -> float:
@@ -297,6 +290,17 @@ def relative_error(predicted: Floats, wanted: Floats) -> float:
 def motion_of(signals: Signals) -> Motion:
     """The recorded input as the emulator's elements see it."""
     return Motion(signals.time, signals.x, signals.speed, signals.acceleration, signals.runs)
+
+
+def motion_beside(signals: Signals, x: Floats) -> Motion:
+    """Another input ``x`` (n,) at the samples of ``signals`` as the emulator's elements see it."""
+    change = x - signals.x
+    if not np.any(change):
+        return motion_of(signals)
+    # The change is far smoother than the measured input, so it may be differentiated as it is.
+    added = signals.slope(change)
+    speed, acceleration = signals.speed + added, signals.acceleration + signals.slope(added)
+    return Motion(signals.time, x, speed, acceleration, signals.runs)
 
 
 def _thresholds(reach: float, count: int) -> Floats:
@@ -356,9 +360,18 @@ def predict_generalised(parameters: Mapping[str, Any], motion: Motion) -> Floats
     lengths, signs = lengths[bristling], signs[bristling]
     y += np.concatenate([weighed(path[run], u[run], thresholds, stops, placed, lengths, signs) for run in motion.runs])
     y += torque_of(parameters.get("further", {}), motion)
-    if np.any(parameters["rates"]):
-        y += _rates(motion.speed, motion.acceleration, float(parameters["fast"])) @ parameters["rates"]
-    return np.asarray(y)
+    return np.asarray(y + _drag(parameters, motion))
+
+
+def drag_of(parameters: Mapping[str, Any], motion: Motion) -> Floats:
+    """What of the built-in emulator's output follows speed and acceleration alone, N·m, shape (n,)."""
+    return _drag(parameters, _as_seen(parameters, motion))
+
+
+def _drag(parameters: Mapping[str, Any], motion: Motion) -> Floats:
+    if not np.any(parameters["rates"]):
+        return np.zeros(motion.x.size)
+    return np.asarray(_rates(motion.speed, motion.acceleration, float(parameters["fast"])) @ parameters["rates"])
 
 
 def _as_seen(parameters: Mapping[str, Any], motion: Motion) -> Motion:
