@@ -33,8 +33,13 @@ def dahl(x: Floats, friction: float, presliding: float, exponent: float) -> Floa
     return out
 
 
-def through_a_clearance(x: Floats, width: float, stiffness: float, elements: Iterable[tuple[float, float]]) -> Floats:
-    """Torque of a spring and sliders behind a clearance that is crossed where the torque is nil, shape (n,)."""
+def through_a_clearance(
+    x: Floats, width: float, stiffness: float, elements: Iterable[tuple[float, float]], soft: float | None = None
+) -> Floats:
+    """Torque of a spring and sliders behind a clearance that is crossed where the torque is nil, shape (n,).
+
+    It is at the flank to which the torque presses it or, where flanks yield over a torque ``soft``, on the way there.
+    """
     elastic, limit = (np.array(part) for part in zip(*elements, strict=True))
     force, last, out = np.zeros(limit.size), 0.0, np.empty_like(x)
 
@@ -43,16 +48,11 @@ def through_a_clearance(x: Floats, width: float, stiffness: float, elements: Ite
 
     for i, value in enumerate(x):
         low, high = value - 0.5 * width, value + 0.5 * width
-        # Pressed to a flank, or, where the torque is of one sign at either, at the place between them without torque.
-        if stiffness * low + after(low).sum() > 0.0:
-            place = low
-        elif stiffness * high + after(high).sum() < 0.0:
-            place = high
-        else:
-            for _ in range(40):
-                middle = 0.5 * (low + high)
-                low, high = (low, middle) if stiffness * middle + after(middle).sum() > 0.0 else (middle, high)
+        for _ in range(32):
             place = 0.5 * (low + high)
+            torque = stiffness * place + after(place).sum()
+            pressed = np.sign(torque) if soft is None else np.tanh(torque / soft)
+            low, high = (low, place) if place + 0.5 * width * pressed > value else (place, high)
         force, last = after(place), place
         out[i] = stiffness * place + force.sum()
     return out

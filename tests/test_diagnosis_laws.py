@@ -115,11 +115,19 @@ ELEMENTS = ((6.0, 0.12), (2.0, 0.15), (0.8, 0.16))
 
 @pytest.mark.parametrize("tones", [1, 3])
 @pytest.mark.parametrize(
-    ("width", "damping", "mass"),
-    [(0.05, 0.0, 0.0), (0.15, 0.0, 0.0), (0.3, 0.0, 0.0), (0.15, 0.1, 0.0), (0.3, 0.05, 0.03)],
+    ("width", "soft", "damping", "mass"),
+    [
+        (0.05, None, 0.0, 0.0),
+        (0.15, None, 0.0, 0.0),
+        (0.3, None, 0.0, 0.0),
+        (0.15, None, 0.1, 0.0),
+        (0.3, None, 0.05, 0.03),
+        (0.05, 0.2, 0.0, 0.0),
+        (0.15, 0.6, 0.05, 0.03),
+    ],
 )
 def test_a_clearance_in_series_is_crossed_where_the_torque_is_nil(
-    width: float, tones: int, damping: float, mass: float
+    width: float, soft: float | None, tones: int, damping: float, mass: float
 ) -> None:
     time, x = swelling()
     if tones == 1:
@@ -128,11 +136,13 @@ def test_a_clearance_in_series_is_crossed_where_the_torque_is_nil(
     # The drive's own, on which the clearance has no hold.
     drag = damping * speed + mass * np.gradient(speed, time)
     sim = drag + 4.0 * x + sliders(x, ELEMENTS)
-    wanted = drag + through_a_clearance(x, width, 4.0, ELEMENTS) - sim
+    wanted = drag + through_a_clearance(x, width, 4.0, ELEMENTS, soft) - sim
     signals = Signals(time, x, sim + wanted, sim, [slice(0, x.size)], {})
     scene = SimulatorScene(signals, emulate(signals, None))
-    law = next(form for form in registry.get("backlash")().forms(scene) if form.name == "gap at zero torque")
-    assert np.std(law.columns(scene, (width,))[:, 0] - wanted) < 0.08 * np.std(wanted)
+    laws = {form.name: form for form in registry.get("backlash")().forms(scene)}
+    hard, yielding = laws["gap at zero torque"], laws["gap at zero torque, soft flanks"]
+    made = hard.columns(scene, (width,)) if soft is None else yielding.columns(scene, (width, soft))
+    assert np.std(made[:, 0] - wanted) < 0.08 * np.std(wanted)
 
 
 @pytest.mark.parametrize("spread", [0.5, 0.9])

@@ -23,11 +23,15 @@ IN_SERIES = (
     "x = x - g in all that does not follow speed or acceleration alone,  g where that adds up to y = 0 if it is within "
     "±clearance / 2, else at the flank to which it presses"
 )
+SOFTLY = (
+    "x = x - g in all that does not follow speed or acceleration alone,  g = clearance / 2 * tanh(y / flank_torque) where that "
+    "adds up to y"
+)
 IN_FLIGHT = (
     "x = x - g,  g at the flank ±clearance / 2 to which y presses it; where y passes zero the load flies across, swinging at "
     "load_frequency from its speed there: no torque until it hits, then load_inertia times its change of speed"
 )
-"""Equations of a clearance in series with the joint, whose load has no inertia or some."""
+"""Equations of a clearance in series with the joint, of hard and of soft flanks, and of a load that has inertia."""
 
 
 def _play(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -93,6 +97,21 @@ def _crossed(scene: Scene, half: float) -> Floats:
     return x - np.clip(joint - torque / stiffness, x - half, x + half)
 
 
+def _pressed(scene: Scene, half: float, soft: float) -> Floats:
+    """Position within a clearance of ±``half`` in series with the joint whose flanks yield over a torque of ``soft``, rad."""
+    s = scene.signals
+    x = joint = s.smooth_x
+    noise = s.x - x
+    stiffness = np.full_like(x, _stiffness(x, _beyond(scene, s.x)) or _probed(scene, half))
+    missed = np.zeros_like(x)
+    for _ in range(ROUNDS):
+        pressure = np.tanh(_beyond(scene, joint + noise) / soft)
+        missed, before = joint + half * pressure - x, missed
+        stiffness[missed * before < 0.0] *= 2.0
+        joint = joint - missed / (1.0 + half * stiffness / soft * (1.0 - pressure**2))
+    return x - joint
+
+
 def _beyond(scene: Scene, x: Floats) -> Floats:
     """Torque of what lies behind the clearance if its deflection were ``x`` (n,), N·m."""
     return scene.torque_at(x) - scene.drag_at(x)
@@ -122,6 +141,11 @@ def _loosened(scene: Scene, across: Floats) -> Floats:
     return scene.torque_change(x - across) - scene.drag_at(x - across) + scene.drag_at(x)
 
 
+def _soft_series(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    width, soft = shape
+    return _loosened(scene, scene.remembered(("pressed", shape), lambda: _pressed(scene, 0.5 * width, soft)))[:, None]
+
+
 def _flight(scene: Scene, shape: tuple[float, ...]) -> Floats:
     s, half, frequency = scene.signals, 0.5 * shape[0], shape[1]
     settled = _across(scene, shape[0])
@@ -144,14 +168,15 @@ class Backlash(Effect):
     )
     equation: ClassVar[str] = (
         "x → play(x; b/2) or the mean of plays from b/2 (1 − c) to b/2 (1 + c), x → x − clip(x − m, ±b/2) + clip(−m, ±b/2), "
-        "x → x − b/2 tanh(2x/b), or x → x − g, g across ±b/2 where y passes zero (at once, or a load of inertia J that swings "
-        "across and hits)"
+        "x → x − b/2 tanh(2x/b), or x → x − g, g across ±b/2 where y passes zero (at once, as b/2 tanh(y/f), or a load of "
+        "inertia J that swings across and hits)"
     )
     coordinate: ClassVar[str] = "distance_since_reversal"
     acts_on: ClassVar[str] = INPUT
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("clearance", "rad", 0.0, np.inf, "total width b"),
         Parameter("softness", "1", 0.0, 1.0, "c, spread of the clearance over its width, of flanks that yield"),
+        Parameter("flank_torque", "N·m", 0.0, np.inf, "f, over which flanks yield to which the torque presses"),
         Parameter("middle", "rad", -np.inf, np.inf, "m, deflection in the middle of the gap"),
         Parameter("load_inertia", "kg·m²", 0.0, np.inf, "J, of a load that hits the flanks"),
         Parameter("load_frequency", "rad/s", 0.0, np.inf, "at which that load swings between them"),
@@ -163,6 +188,7 @@ class Backlash(Effect):
         grid = [(b,) for b in geometric(0.0015 * reach, 0.5 * reach, 13)]
         few = grid[4::2]
         limits = [(5e-4 * reach, reach)]
+        strong = float(np.std(scene.torque))
         return [
             Form("lost motion at turns", ("_unit",), _play, (1.0,), (1.0,), ("clearance",), grid, limits,
                  equation="x = play(x, clearance / 2)"),
@@ -178,6 +204,9 @@ class Backlash(Effect):
             Form("soft gap", ("_unit",), _soft_gap, (1.0,), (1.0,), ("clearance",), (), limits, ("gap around zero",),
                  equation="x = x - clearance / 2 * tanh(2 * x / clearance)"),
             Form("gap at zero torque", ("_unit",), _series, (1.0,), (1.0,), ("clearance",), few, limits, equation=IN_SERIES),
+            Form("gap at zero torque, soft flanks", ("_unit",), _soft_series, (1.0,), (1.0,), ("clearance", "flank_torque"), (),
+                 [*limits, (0.01 * strong, strong)], ("gap at zero torque",), lambda shape, coefficients: (shape[0], 0.1 * strong),
+                 equation=SOFTLY),
             Form("gap at zero torque, free flight", ("_unit", "load_inertia"), _flight, (1.0, 0.0), (1.0, np.inf),
                  ("clearance", "load_frequency"), [(b, w) for (b,) in grid[3:11:2] for w in (40.0, 120.0, 400.0)],
                  [*limits, (10.0, 3000.0)], equation=IN_FLIGHT),
