@@ -145,6 +145,14 @@ def test_a_clearance_in_series_is_crossed_where_the_torque_is_nil(
     assert np.std(made[:, 0] - wanted) < 0.08 * np.std(wanted)
 
 
+def test_a_clearance_may_hold_the_spring_alone_while_friction_is_felt_before_it() -> None:
+    _, x = swelling()
+    behind = x - np.clip(x, -0.02, 0.02)
+    found = diagnosed(x, joint(x) + 4.0 * (behind - x) + 0.6 * (behind**3 - x**3))
+    assert found.verdict == ["backlash"]
+    assert found.closed_in_all > 0.98
+
+
 @pytest.mark.parametrize("spread", [0.5, 0.9])
 def test_flanks_that_yield_are_a_clearance(spread: float) -> None:
     _, x = swelling()

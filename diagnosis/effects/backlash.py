@@ -52,6 +52,12 @@ def _gap(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return scene.torque_change(x - np.clip(x, -half, half))[:, None]
 
 
+def _gap_of_spring(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    # Bearings and seals rub before the clearance, only the spring lies behind it.
+    x, half = scene.signals.x, 0.5 * shape[0]
+    return scene.spring_change(x - np.clip(x, -half, half))[:, None]
+
+
 def _gap_elsewhere(scene: Scene, shape: tuple[float, ...]) -> Floats:
     x, half, middle = scene.signals.x, 0.5 * shape[0], shape[1]
     # The joint was zeroed where it lay at rest.
@@ -168,8 +174,8 @@ class Backlash(Effect):
     )
     equation: ClassVar[str] = (
         "x → play(x; b/2) or the mean of plays from b/2 (1 − c) to b/2 (1 + c), x → x − clip(x − m, ±b/2) + clip(−m, ±b/2), "
-        "x → x − b/2 tanh(2x/b), or x → x − g, g across ±b/2 where y passes zero (at once, as b/2 tanh(y/f), or a load of "
-        "inertia J that swings across and hits)"
+        "with m = 0 also in the elastic part of y_sim alone, x → x − b/2 tanh(2x/b), or x → x − g, g across ±b/2 where y passes "
+        "zero (at once, as b/2 tanh(y/f), or a load of inertia J that swings across and hits)"
     )
     coordinate: ClassVar[str] = "distance_since_reversal"
     acts_on: ClassVar[str] = INPUT
@@ -197,6 +203,8 @@ class Backlash(Effect):
                  equation="x = plays(x, clearance / 2 * (1 - softness), clearance / 2 * (1 + softness))"),
             Form("gap around zero", ("_unit",), _gap, (1.0,), (1.0,), ("clearance",), grid[2::2], limits,
                  equation="x = x - clip(x, -clearance / 2, clearance / 2)"),
+            Form("gap around zero, of the spring", ("_unit",), _gap_of_spring, (1.0,), (1.0,), ("clearance",), grid[2::2], limits,
+                 equation="x = x - clip(x, -clearance / 2, clearance / 2), in the elastic part alone"),
             Form("gap elsewhere", ("_unit",), _gap_elsewhere, (1.0,), (1.0,), ("clearance", "middle"),
                  [(b * reach, side * m * reach) for b in (0.02, 0.05, 0.12, 0.3) for m in _middles(b) for side in (-1.0, 1.0)],
                  [*limits, (-0.6 * reach, 0.6 * reach)],
