@@ -115,26 +115,27 @@ ELEMENTS = ((6.0, 0.12), (2.0, 0.15), (0.8, 0.16))
 
 @pytest.mark.parametrize("tones", [1, 3])
 @pytest.mark.parametrize(
-    ("width", "soft", "damping", "mass"),
+    ("width", "soft", "dry", "damping", "mass"),
     [
-        (0.05, None, 0.0, 0.0),
-        (0.15, None, 0.0, 0.0),
-        (0.3, None, 0.0, 0.0),
-        (0.15, None, 0.1, 0.0),
-        (0.3, None, 0.05, 0.03),
-        (0.05, 0.2, 0.0, 0.0),
-        (0.15, 0.6, 0.05, 0.03),
+        (0.05, None, 0.0, 0.0, 0.0),
+        (0.15, None, 0.0, 0.0, 0.0),
+        (0.3, None, 0.0, 0.0, 0.0),
+        (0.15, None, 0.0, 0.1, 0.0),
+        (0.15, None, 0.3, 0.0, 0.0),
+        (0.3, None, 0.0, 0.05, 0.03),
+        (0.05, 0.2, 0.0, 0.0, 0.0),
+        (0.15, 0.6, 0.0, 0.05, 0.03),
     ],
 )
 def test_a_clearance_in_series_is_crossed_where_the_torque_is_nil(
-    width: float, soft: float | None, tones: int, damping: float, mass: float
+    width: float, soft: float | None, tones: int, dry: float, damping: float, mass: float
 ) -> None:
     time, x = swelling()
     if tones == 1:
         x = 0.8 * np.sin(2 * np.pi * 0.4 * time)
     speed = np.gradient(x, time)
     # The drive's own, on which the clearance has no hold.
-    drag = damping * speed + mass * np.gradient(speed, time)
+    drag = dry * np.tanh(speed / 0.003) + damping * speed + mass * np.gradient(speed, time)
     sim = drag + 4.0 * x + sliders(x, ELEMENTS)
     wanted = drag + through_a_clearance(x, width, 4.0, ELEMENTS, soft) - sim
     signals = Signals(time, x, sim + wanted, sim, [slice(0, x.size)], {})

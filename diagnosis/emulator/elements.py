@@ -12,7 +12,7 @@ from ..recording.noise import rms
 from .kinds import ELASTIC, KINDS, MEMORY, RATE, Kind
 from .motion import Motion
 
-__all__ = ["Further", "kinks_moved", "stronger_of", "tangents", "torque_of", "uncancelled"]
+__all__ = ["Further", "drag_among", "kinks_moved", "stronger_of", "tangents", "torque_of", "uncancelled"]
 
 Floats = NDArray[np.float64]
 Further = Mapping[str, Mapping[str, Any]]
@@ -28,6 +28,15 @@ def torque_of(further: Further, motion: Motion, part: str | None = None) -> Floa
     total = np.zeros(motion.x.size)
     for kind, sizes, weights in _made(further):
         if part in (None, kind.part):
+            total += kind.torque(motion, sizes, weights)
+    return total
+
+
+def drag_among(further: Further, motion: Motion) -> Floats:
+    """Torque of those that follow the speed alone, N·m, shape (n,)."""
+    total = np.zeros(motion.x.size)
+    for kind, sizes, weights in _made(further):
+        if kind.drags:
             total += kind.torque(motion, sizes, weights)
     return total
 

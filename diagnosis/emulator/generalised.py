@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..operators.memory import bristle, plays, weighed
 from ..recording.noise import rms
 from ..recording.signals import Signals, differentiate
-from .elements import kinks_moved, stronger_of, tangents, torque_of, uncancelled
+from .elements import drag_among, kinks_moved, stronger_of, tangents, torque_of, uncancelled
 from .growth import PLACED, RATES, STOPS, Growth
 from .kinds import ELASTIC, KINDS, KINKS, MEMORY
 from .motion import DIFFERENCES, Extent, Motion
@@ -365,7 +365,8 @@ def predict_generalised(parameters: Mapping[str, Any], motion: Motion) -> Floats
 
 def drag_of(parameters: Mapping[str, Any], motion: Motion) -> Floats:
     """What of the built-in emulator's output follows speed and acceleration alone, N·m, shape (n,)."""
-    return _drag(parameters, _as_seen(parameters, motion))
+    motion = _as_seen(parameters, motion)
+    return _drag(parameters, motion) + drag_among(parameters.get("further", {}), motion)
 
 
 def _drag(parameters: Mapping[str, Any], motion: Motion) -> Floats:

@@ -117,6 +117,11 @@ class Kind:
         """Torque of all elements of these sizes and weights, N·m, shape (n,)."""
         return self.together(motion, sizes, weights) if self.together else self.columns(motion, sizes) @ weights
 
+    @property
+    def drags(self) -> bool:
+        """Whether it follows the speed alone, as dampers and friction by speed do."""
+        return self.part == RATE and (self.timed or self.by_speed)
+
     @cached_property
     def width(self) -> int:
         """How many sizes an element has."""
