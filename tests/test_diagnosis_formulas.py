@@ -21,7 +21,9 @@ from hystbench.diagnosis.recording.noise import rms
 from hystbench.diagnosis.recording.signals import Signals
 
 Floats = NDArray[np.float64]
-IMPLICIT = {"gap at zero torque", "gap at zero torque, soft flanks", "gap at zero torque, free flight"}
+IMPLICIT = {
+    "gap at zero torque", "gap at zero torque, soft flanks", "gap at zero torque, free flight", "more of the joint's own",
+}  # fmt: skip
 """Laws told in prose: what they need must be found."""
 PERIODS = 2.5
 NUMPYS = {

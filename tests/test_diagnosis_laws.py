@@ -86,6 +86,14 @@ def test_dry_friction_whose_sign_turns_slowly_needs_no_excess_at_rest() -> None:
     assert diagnosed(x, joint(x) + 0.15 * regularised).verdict == ["coulomb_friction"]
 
 
+@pytest.mark.parametrize("thinning", [0.1, 0.2])
+def test_a_grease_that_thins_early_still_grows_with_the_logarithm_of_the_speed(thinning: float) -> None:
+    time, x = swelling()
+    speed = np.gradient(x, time)
+    found = diagnosed(x, joint(x) + 0.05 * np.arcsinh(speed / (thinning * np.std(speed))))
+    assert found.verdict == ["viscous_friction"]
+
+
 @pytest.mark.parametrize("transition", [0.02, 0.08])
 def test_friction_that_does_not_fall_with_speed_is_not_stribecks_where_dry_friction_is_excluded(
     transition: float,
@@ -152,6 +160,20 @@ def test_a_clearance_may_hold_the_spring_alone_while_friction_is_felt_before_it(
     found = diagnosed(x, joint(x) + 4.0 * (behind - x) + 0.6 * (behind**3 - x**3))
     assert found.verdict == ["backlash"]
     assert found.closed_in_all > 0.98
+
+
+@pytest.mark.parametrize(("gain", "off"), [(0.3, 0.0), (1.2, 0.0), (0.45, 0.04), (0.8, 0.04)])
+def test_much_more_of_the_joints_own_friction_is_dry_friction(gain: float, off: float) -> None:
+    _, x = swelling()
+    errors = np.array([1.0, -1.0, 1.0])
+    made = [
+        (k * (1.0 + off * e), (1.0 + gain) * f * (1.0 - off * e)) for (k, f), e in zip(ELEMENTS, errors, strict=True)
+    ]
+    found = diagnosed(x, 4.0 * (1.0 + off) * x + 0.6 * (1.0 - off) * x**3 + sliders(x, made))
+    assert set(found.verdict) - {"miscalibration"} == {"coulomb_friction"}
+    assert found.closed_in_all > 0.9
+    effect = next(effect for effect in found.effects if effect.name == "coulomb_friction")
+    assert abs(effect.parameters["strength_gain"] - gain) < 0.02 + 4.0 * off
 
 
 @pytest.mark.parametrize("spread", [0.5, 0.9])

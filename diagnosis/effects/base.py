@@ -94,6 +94,10 @@ class Scene(Protocol):
         """Change of that part for a relative change of its strength by one at the same stiffness, N·m, shape (n,)."""
         ...
 
+    def stronger(self, gain: float) -> Floats:
+        """Change for a relative ``gain`` of that strength, however large, N·m, shape (n,)."""
+        ...
+
     def torque_change(self, x: Floats) -> Floats:
         """How the simulator's output would change if its input were ``x`` instead, N·m, shape (n,)."""
         ...

@@ -26,7 +26,7 @@ def _two_sliders(scene: Scene, shape: tuple[float, ...]) -> Floats:
 
 
 def _own(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return scene.strength[:, None]
+    return scene.stronger(shape[0])[:, None]
 
 
 def _unequal(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
@@ -37,8 +37,8 @@ def _unequal(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
     return columns
 
 
-MORE = 0.15
-"""Relative gain of the joint's own friction from which it is not only badly calibrated."""
+MORE, MOST = 0.15, 5.0
+"""Relative gain of the joint's own friction from which it is not only badly calibrated, and the largest one."""
 
 
 class CoulombFriction(Effect):
@@ -84,6 +84,7 @@ class CoulombFriction(Effect):
             steep, name="regularised by arctan", columns=_arctan,
             equation="y += friction * arctan(v / transition_speed) * 2 / pi",
         )  # fmt: skip
-        own = Form("more of the joint's own", ("strength_gain",), _own, (MORE,), (np.inf,),
-                   equation="y += strength_gain * y_strength")  # fmt: skip
+        own = Form("more of the joint's own", ("_unit",), _own, (1.0,), (1.0,), ("strength_gain",),
+                   [(gain,) for gain in (0.2, 0.4, 0.8, 1.6)], [(MORE, MOST)],
+                   equation="y with (1 + strength_gain) times the strength of its friction, at the same stiffness")  # fmt: skip
         return [*made, flat, two, *unequal, own, *overdone_friction(made)]

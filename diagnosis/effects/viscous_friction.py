@@ -79,11 +79,14 @@ class ViscousFriction(Effect):
 
     def forms(self, scene: Scene) -> list[Form]:
         fast = rms(scene.signals.speed)
-        # What thins well below the usual speeds is dry friction.
+        # What saturates well below the usual speeds is dry friction; a logarithm of the speed never quite does.
         thinning = [
-            Form(name, ("limit",), law, (0.0,), (np.inf,), ("thinning_speed",), [(0.5 * fast,), (1.2 * fast,)],
-                 [(0.25 * fast, 5.0 * fast)], equation=f"y += limit * {curve}(v / thinning_speed)")
-            for name, curve, law in (("Eyring", "arcsinh", _eyring), ("saturating", "arctan", _saturating))
+            Form(name, ("limit",), law, (0.0,), (np.inf,), ("thinning_speed",), [(share * fast,) for share in starts],
+                 [(least * fast, 5.0 * fast)], equation=f"y += limit * {curve}(v / thinning_speed)")
+            for name, curve, law, starts, least in (
+                ("Eyring", "arcsinh", _eyring, (0.15, 0.5, 1.2), 0.06),
+                ("saturating", "arctan", _saturating, (0.5, 1.2), 0.25),
+            )
         ]  # fmt: skip
         both = (0.0,) * 2, (np.inf,) * 2
         linear = Form("linear", ("damping",), _columns, (0.0,), (np.inf,), equation="y += damping * v")

@@ -12,7 +12,16 @@ from ..recording.noise import rms
 from .kinds import ELASTIC, KINDS, MEMORY, RATE, Kind
 from .motion import Motion
 
-__all__ = ["Further", "drag_among", "kinks_moved", "stronger_of", "tangents", "torque_of", "uncancelled"]
+__all__ = [
+    "Further",
+    "drag_among",
+    "kinks_moved",
+    "strengthened_among",
+    "stronger_of",
+    "tangents",
+    "torque_of",
+    "uncancelled",
+]
 
 Floats = NDArray[np.float64]
 Further = Mapping[str, Mapping[str, Any]]
@@ -52,6 +61,22 @@ def stronger_of(further: Further, motion: Motion) -> Floats:
             dry = sizes[:, 0] < DRY * float(np.std(motion.speed))
             total += kind.torque(motion, sizes[dry], weights[dry]) if np.any(dry) else 0.0
     return total
+
+
+def strengthened_among(further: Further, gain: float, fast: float) -> Further:
+    """Further elements whose friction has a relative ``gain`` of its strength at the same stiffness.
+
+    ``fast`` is the standard deviation of the speed, rad/s: friction that grows up to it is a damper.
+    """
+    made = {}
+    for name, elements in further.items():
+        kind, sizes, weights = KINDS[name], np.array(elements["sizes"]), np.array(elements["weights"])
+        if kind.part == MEMORY:
+            sizes = _scaled(sizes, 0, 1.0 + gain)
+        elif kind.part == RATE and kind.by_speed:
+            weights = weights * np.where(sizes[:, 0] < DRY * fast, 1.0 + gain, 1.0)
+        made[name] = {"sizes": sizes, "weights": weights}
+    return made
 
 
 def tangents(further: Further, motion: Motion) -> tuple[Floats, Floats]:

@@ -23,7 +23,16 @@ from ... import models
 from ...bench.arguments import time_argument
 from ...errors import InputError
 from ..recording.signals import Signals
-from .generalised import Generalised, drag_of, motion_beside, motion_of, relative_error, spring_of, strength_of
+from .generalised import (
+    Generalised,
+    drag_of,
+    motion_beside,
+    motion_of,
+    relative_error,
+    spring_of,
+    strength_of,
+    strengthened,
+)
 
 __all__ = ["GENERALISED", "Emulator", "SimulatorScene", "answers_of", "emulate"]
 
@@ -133,6 +142,10 @@ class SimulatorScene:
         return self._once(
             "strength", lambda: strength_of(self.emulator.split, motion_of(self.signals), self.signals.timed)
         )
+
+    def stronger(self, gain: float) -> Floats:
+        """Change of the output for a relative ``gain`` of that strength, however large, N·m, shape (n,)."""
+        return strengthened(self.emulator.split, motion_of(self.signals), gain, self.signals.timed)
 
     def _once(self, name: str, make: Callable[[], Any]) -> Any:
         if name not in self._lasting:

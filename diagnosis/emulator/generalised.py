@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..operators.memory import bristle, plays, weighed
 from ..recording.noise import rms
 from ..recording.signals import Signals, differentiate
-from .elements import drag_among, kinks_moved, stronger_of, tangents, torque_of, uncancelled
+from .elements import drag_among, kinks_moved, strengthened_among, stronger_of, tangents, torque_of, uncancelled
 from .growth import PLACED, RATES, STOPS, Growth
 from .kinds import ELASTIC, KINDS, KINKS, MEMORY
 from .motion import DIFFERENCES, Extent, Motion
@@ -402,6 +402,23 @@ def strength_of(parameters: Mapping[str, Any], motion: Motion, timed: bool = Tru
         signs = _rates(motion.speed, motion.acceleration, float(parameters["fast"]))[:, -len(STEEPNESS) :]
         stronger += signs @ np.asarray(parameters["rates"])[-len(STEEPNESS) :]
     return np.asarray(stronger)
+
+
+def strengthened(parameters: Mapping[str, Any], motion: Motion, gain: float, timed: bool = True) -> Floats:
+    """Change of the built-in emulator's output for a relative ``gain`` of the strength of all friction, N·m, shape (n,).
+
+    Nearly :func:`strength_of` times a small gain, and right for a large one.
+    """
+    rates, fast = np.array(parameters["rates"]), float(np.std(_as_seen(parameters, motion).speed))
+    if timed:
+        rates[-len(STEEPNESS) :] *= 1.0 + gain
+    stronger = dict(parameters) | {
+        "thresholds": (1.0 + gain) * np.asarray(parameters["thresholds"]),
+        "lengths": (1.0 + gain) * np.asarray(parameters["lengths"]),
+        "rates": rates,
+        "further": strengthened_among(parameters.get("further", {}), gain, fast),
+    }
+    return predict_generalised(stronger, motion) - predict_generalised(parameters, motion)
 
 
 def _stronger(motion: Motion, thresholds: Floats, lengths: Floats) -> Floats:
