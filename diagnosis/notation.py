@@ -16,7 +16,8 @@ GENERAL = (
 WORDS: Mapping[str, str] = MappingProxyType({
     "y_spring": "elastic part of the simulator's torque, its preload with it, without its friction",
     "y_memory": "the rest of the simulator's torque, its friction",
-    "y_strength": "how much that would grow if friction had twice the strength and the same stiffness",
+    "stronger": "stronger(g): what y gains where friction has 1 + g times the strength at the same stiffness",
+    "stiffer": "stiffer(g): what y gains where all is 1 + g times as stiff and friction has the same strength",
     "dahl": "dahl(x, d, h): s with ds/dx = (sign(dx) - s / h) / d and s = 0 at the start; h = 1 where it is left out (Dahl's friction)",
     "slip": "slip(x, d, h): s with ds/dx = 1 / d, kept within -h and h, and s = 0 at the start; h = 1 where it is left out (a spring and a slider)",
     "play": "play(x, h): p with p = clip(p, x - h, x + h) at each step, 0 at the start (lost motion)",

@@ -22,7 +22,7 @@ from hystbench.diagnosis.recording.signals import Signals
 
 Floats = NDArray[np.float64]
 IMPLICIT = {
-    "gap at zero torque", "gap at zero torque, soft flanks", "gap at zero torque, free flight", "more of the joint's own",
+    "gap at zero torque", "gap at zero torque, soft flanks", "gap at zero torque, free flight",
 }  # fmt: skip
 """Laws told in prose: what they need must be found."""
 PERIODS = 2.5
@@ -118,10 +118,23 @@ def words() -> dict[str, Any]:
         return followed(u, step)
 
     dx = np.diff(x, prepend=x[0])
-    y, spring, memory, strength = s.y_sim, scene().spring, scene().friction, scene().strength
+    y, spring, memory = s.y_sim, scene().spring, scene().friction
+
+    def stronger(g: Floats | float) -> Floats:
+        """Where the gain changes, as with each gain throughout: friction turns round often enough."""
+        gains = np.broadcast_to(g, x.shape)
+        if np.ptp(gains) == 0.0:
+            return scene().stronger(float(gains[0]))
+        some = np.linspace(gains.min(), gains.max(), 8)
+        made = np.array([scene().stronger(float(gain)) for gain in some])
+        return np.array([np.interp(gain, some, made[:, k]) for k, gain in enumerate(gains)])
+
+    def stiffer(g: Floats) -> Floats:
+        return g * y + (1.0 + g) * stronger(-g / (1.0 + g))
+
     return {
         "x": s.x, "v": s.speed, "a": s.acceleration, "t": time, "y": y, "y_spring": spring, "y_memory": memory,
-        "y_strength": strength, "travel": np.cumsum(np.abs(dx)), "work": np.cumsum(np.abs(y * dx)),
+        "stronger": stronger, "stiffer": stiffer, "travel": np.cumsum(np.abs(dx)), "work": np.cumsum(np.abs(y * dx)),
         "losses": np.maximum.accumulate(np.maximum(np.cumsum(memory * dx), 0.0)), "reversals": s.reversals,
         "dahl": dahl, "slip": slip, "play": play, "lowpass": lowpass, "creep": creep, "fractional": fractional, "resonator": resonator,
         "plays": lambda x, h1, h2: np.mean([play(x, h) for h in np.linspace(h1, h2, 7)], axis=0),
@@ -189,10 +202,13 @@ def test_the_equation_of_each_law_gives_what_the_law_fits(effect: Effect) -> Non
             **dict(zip(form.coefficients, coefficients, strict=True)),
             **dict(zip(form.shapes, shape, strict=True)),
         }
-        fitted = form.columns(scene(), shape) @ coefficients
+        made = form.about(scene(), shape, coefficients) if form.about else form.columns(scene(), shape)
+        fitted = made @ coefficients
         assert rms(fitted) > 0.0, form.name
-        # Errors on the input are fitted to first order, and certain speeds are a little smaller than measured ones.
-        assert rms(carried_out(form, values) - fitted) < 0.03 * rms(fitted), (form.name, form.equation)
+        # Errors on the input are fitted to first order, and certain speeds are a little smaller than measured ones; friction
+        # that is hardly stronger changes in steps, where elements give way.
+        near = 0.1 if form.about else 0.03
+        assert rms(carried_out(form, values) - fitted) < near * rms(fitted), (form.name, form.equation)
 
 
 @pytest.mark.parametrize("effect", known_effects(), ids=lambda effect: effect.id)

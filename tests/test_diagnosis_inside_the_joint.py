@@ -17,7 +17,7 @@ from hystbench import models
 from hystbench.diagnosis.delivery import deliver
 from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
-from hystbench.diagnosis.emulator.generalised import Generalised, motion_of, spring_of, strength_of
+from hystbench.diagnosis.emulator.generalised import Generalised, spring_of
 from hystbench.diagnosis.recording.hum import hum
 from hystbench.diagnosis.recording.roughness import roughness
 from hystbench.diagnosis.recording.signals import Signals
@@ -206,13 +206,36 @@ def test_the_emulator_tells_the_spring_from_the_friction() -> None:
     assert np.std(shifted - (spring(X + 0.05) - spring(X))) < 0.1 * np.std(shifted)
 
 
-def test_strength_is_the_change_with_the_level_at_which_friction_slides() -> None:
-    parameters = Generalised(signals(joint(X))).parameters()
-    stronger = sliders(X, [(stiffness, 1.05 * limit) for stiffness, limit in ELEMENTS])
-    weaker = sliders(X, [(stiffness, 0.95 * limit) for stiffness, limit in ELEMENTS])
-    change = (stronger - weaker) / 0.1
-    found = strength_of(parameters, motion_of(signals(joint(X))))
-    assert np.std(found - change) < 0.2 * np.std(change)
+@pytest.mark.parametrize("gain", [0.05, 0.5, -0.4])
+def test_strength_is_the_change_with_the_level_at_which_friction_slides(gain: float) -> None:
+    scene = SimulatorScene(signals(joint(X)), emulate(signals(joint(X)), None))
+    change = sliders(X, [(stiffness, (1.0 + gain) * limit) for stiffness, limit in ELEMENTS]) - friction(X)
+    assert np.std(scene.stronger(gain) - change) < 0.15 * np.std(change)
+    assert np.std(gain * scene.strength_about(np.full(X.size, gain)) - change) < 0.15 * np.std(change)
+
+
+@pytest.mark.parametrize("part", ["the friction's strength", "the stiffness"])
+@pytest.mark.parametrize("drift", [-0.4, 0.8])
+def test_what_changes_much_inside_the_joint_is_followed_all_the_way(part: str, drift: float) -> None:
+    gain = drift * TIME / TIME[-1]
+    real = np.empty_like(X)
+    state = np.zeros(len(ELEMENTS))
+    elastic, limit = (np.array(values) for values in zip(*ELEMENTS, strict=True))
+    for k, step in enumerate(np.diff(X, prepend=0.0)):
+        more = 1.0 + gain[k]
+        # Each element by its stretch, which a stiffness that changes leaves as it is.
+        if part == "the stiffness":
+            state = np.clip(state + step, -limit / elastic / more, limit / elastic / more)
+            real[k] = more * (spring(X[k : k + 1])[0] + elastic @ state)
+        else:
+            state = np.clip(state + step, -more * limit / elastic, more * limit / elastic)
+            real[k] = spring(X[k : k + 1])[0] + elastic @ state
+    found = diagnosed(real)
+    assert found.verdict == ["thermal_drift"]
+    assert found.closed_in_all > 0.99
+    effect = next(effect for effect in found.effects if effect.name == "thermal_drift")
+    assert effect.law == f"stiffness, linear, of {part}"
+    assert effect.parameters["stiffness_drift"] * TIME[-1] == pytest.approx(drift, rel=0.05)
 
 
 @pytest.mark.parametrize("preload", [0.0, 1.5])

@@ -98,6 +98,10 @@ class Scene(Protocol):
         """Change for a relative ``gain`` of that strength, however large, N·m, shape (n,)."""
         ...
 
+    def strength_about(self, gain: Floats) -> Floats:
+        """The same over a ``gain`` (n,) that changes slowly, N·m, shape (n,)."""
+        ...
+
     def torque_change(self, x: Floats) -> Floats:
         """How the simulator's output would change if its input were ``x`` instead, N·m, shape (n,)."""
         ...
@@ -120,6 +124,7 @@ class Scene(Protocol):
 
 
 Columns = Callable[[Scene, tuple[float, ...]], Floats]
+ColumnsAbout = Callable[[Scene, tuple[float, ...], Floats], Floats]
 
 
 @dataclass(frozen=True)
@@ -150,6 +155,9 @@ class Form:
     borders : sequence of (bool, bool)
         Whether at the lower and the upper limit of each shape begins another effect, of which the law is only an image
         there; nowhere if empty.
+    about : callable, optional
+        ``about(scene, shape, coefficients) -> (n, k)`` of a law that is not linear: columns that times the coefficients give what
+        it adds; ``columns`` are these where the coefficients are small.
     elsewhere : Form, optional
         The law that is left of it on other motions, where what this recording began with is not there; its coefficients are the
         first of these. By default it is the same.
@@ -170,6 +178,7 @@ class Form:
     start: Callable[[tuple[float, ...], Floats], tuple[float, ...]] | None = None
     overdone: bool = False
     borders: Sequence[tuple[bool, bool]] = ()
+    about: ColumnsAbout | None = None
     elsewhere: Form | None = None
     equation: str = ""
 
@@ -279,20 +288,33 @@ def direction_laws(scene: Scene) -> list[DirectionLaw]:
 
 
 class Part(NamedTuple):
-    """A part of the joint's torque: how equations call it, and what it is, N·m, shape (n,)."""
+    """A part of the joint's torque: how equations call it, and what it is, N·m, shape (n,).
+
+    Of what has memory that is no more than how the torque changes with it; then ``about(scene, gain)`` is the change over a
+    relative gain, (n,), that is not small, and equations ask for the change that a gain makes.
+    """
 
     symbol: str
     of: Callable[[Scene], Floats]
+    about: Callable[[Scene, Floats], Floats] | None = None
 
 
 PARTS: Mapping[str, Part] = {
     "the spring": Part("y_spring", lambda scene: scene.spring),
     "the friction": Part("y_memory", lambda scene: scene.friction),
-    "the stiffness": Part("(y - y_strength)", lambda scene: scene.torque - scene.strength),
-    "the friction's strength": Part("y_strength", lambda scene: scene.strength),
-}
+    # What is stiffer and no stronger is in all larger, and then weaker.
+    "the stiffness": Part(
+        "stiffer", lambda scene: scene.torque - scene.strength,
+        lambda scene, gain: scene.torque - scene.strength_about(-gain / np.maximum(1.0 + gain, BARELY)),
+    ),
+    "the friction's strength": Part(
+        "stronger", lambda scene: scene.strength, lambda scene, gain: scene.strength_about(gain)
+    ),
+}  # fmt: skip
 """What may change inside the joint when not all of its torque does, by name: the elastic curve, all that has memory, the
 slope of both, or the level at which friction slides."""
+BARELY = 0.05
+"""What is left at least of a stiffness that is lost."""
 
 
 def times(laws: Columns, *parts: Callable[[Scene], Floats]) -> Columns:
@@ -305,13 +327,23 @@ def inside(form: Form, laws: Columns) -> list[Form]:
 
     The equation of ``form`` ends in that torque, ``y``.
     """
-    return [
-        replace(
-            form, name=f"{form.name}, of {name}", columns=times(laws, part.of), grid=form.grid[::2],
-            equation=form.equation.removesuffix("y") + part.symbol,
-        )
-        for name, part in PARTS.items()
-    ]  # fmt: skip
+    made = []
+    for name, part in PARTS.items():
+        of = replace(form, name=f"{form.name}, of {name}", columns=times(laws, part.of), grid=form.grid[::2])
+        if part.about is None:
+            made.append(replace(of, equation=form.equation.removesuffix("y") + part.symbol))
+        else:
+            gain = form.equation.removesuffix(" * y").replace("y += ", "").replace("y -= ", "-")
+            made.append(replace(of, about=_about(laws, part.about), equation=f"y += {part.symbol}({gain})"))
+    return made
+
+
+def _about(laws: Columns, part: Callable[[Scene, Floats], Floats]) -> ColumnsAbout:
+    def columns(scene: Scene, shape: tuple[float, ...], coefficients: Floats) -> Floats:
+        relative = laws(scene, shape)
+        return relative * part(scene, relative @ coefficients)[:, None]
+
+    return columns
 
 
 def stroke(scene: Scene) -> float:

@@ -86,5 +86,5 @@ class CoulombFriction(Effect):
         )  # fmt: skip
         own = Form("more of the joint's own", ("_unit",), _own, (1.0,), (1.0,), ("strength_gain",),
                    [(gain,) for gain in (0.2, 0.4, 0.8, 1.6)], [(MORE, MOST)],
-                   equation="y with (1 + strength_gain) times the strength of its friction, at the same stiffness")  # fmt: skip
+                   equation="y += stronger(strength_gain)")  # fmt: skip
         return [*made, flat, two, *unequal, own, *overdone_friction(made)]

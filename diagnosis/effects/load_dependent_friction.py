@@ -85,10 +85,19 @@ def _pressed(load: Callable[[Scene], Floats], sliding: Callable[[Floats, Floats,
     return columns
 
 
+def _loaded(scene: Scene) -> Floats:
+    """How much of the largest load there is, shape (n,)."""
+    return np.abs(scene.spring) / max(float(np.max(np.abs(scene.spring))), 1e-300)
+
+
 def _inside(scene: Scene, shape: tuple[float, ...]) -> Floats:
     """The elements inside the joint slide later the more it is loaded."""
-    size = max(float(np.max(np.abs(scene.spring))), 1e-300)
-    return (np.abs(scene.spring) / size * scene.strength)[:, None]
+    return (_loaded(scene) * scene.strength)[:, None]
+
+
+def _inside_about(scene: Scene, shape: tuple[float, ...], coefficients: Floats) -> Floats:
+    load = _loaded(scene)
+    return (load * scene.strength_about(coefficients[0] * load))[:, None]
 
 
 class LoadDependentFriction(Effect):
@@ -172,6 +181,6 @@ class LoadDependentFriction(Effect):
                          lambda shape, found: (shape[0], float(found[1] / found[0]) if found.size > 1 and found[0] > 0.0 else 0.7),
                          equation=f"y += friction_coefficient * max({pressing}) * {word}(x, {law.parameter}, {level})")
                 )  # fmt: skip
-        inside = Form("inside the joint", ("strength_gain",), _inside, (0.0,), (np.inf,),
-                      equation="y += strength_gain * abs(y_spring) / max(abs(y_spring)) * y_strength")  # fmt: skip
+        inside = Form("inside the joint", ("strength_gain",), _inside, (0.0,), (np.inf,), about=_inside_about,
+                      equation="y += stronger(strength_gain * abs(y_spring) / max(abs(y_spring)))")  # fmt: skip
         return [*made, *less, inside]

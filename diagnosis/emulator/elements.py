@@ -17,7 +17,6 @@ __all__ = [
     "drag_among",
     "kinks_moved",
     "strengthened_among",
-    "stronger_of",
     "tangents",
     "torque_of",
     "uncancelled",
@@ -50,23 +49,10 @@ def drag_among(further: Further, motion: Motion) -> Floats:
     return total
 
 
-def stronger_of(further: Further, motion: Motion) -> Floats:
-    """Change for a relative change by one of the strength of what has memory, at the same stiffness, N·m, shape (n,)."""
-    total = np.zeros(motion.x.size)
-    for kind, sizes, weights in _made(further):
-        if kind.part == MEMORY:
-            total += _stretched(kind, motion, sizes) @ weights
-        elif kind.part == RATE and kind.by_speed:
-            # Friction that knows the speed alone has no stiffness; what grows up to the usual speeds is a damper.
-            dry = sizes[:, 0] < DRY * float(np.std(motion.speed))
-            total += kind.torque(motion, sizes[dry], weights[dry]) if np.any(dry) else 0.0
-    return total
-
-
 def strengthened_among(further: Further, gain: float, fast: float) -> Further:
     """Further elements whose friction has a relative ``gain`` of its strength at the same stiffness.
 
-    ``fast`` is the standard deviation of the speed, rad/s: friction that grows up to it is a damper.
+    ``fast`` is the standard deviation of the speed, rad/s.
     """
     made = {}
     for name, elements in further.items():
@@ -74,6 +60,7 @@ def strengthened_among(further: Further, gain: float, fast: float) -> Further:
         if kind.part == MEMORY:
             sizes = _scaled(sizes, 0, 1.0 + gain)
         elif kind.part == RATE and kind.by_speed:
+            # Friction that knows the speed alone has no stiffness; what grows up to the usual speeds is a damper.
             weights = weights * np.where(sizes[:, 0] < DRY * fast, 1.0 + gain, 1.0)
         made[name] = {"sizes": sizes, "weights": weights}
     return made

@@ -30,7 +30,6 @@ from .generalised import (
     motion_of,
     relative_error,
     spring_of,
-    strength_of,
     strengthened,
 )
 
@@ -45,6 +44,9 @@ RIVALLED = 0.002
 """Error, as a share of the output, from which they compete."""
 REMEMBERED = 48
 """Effects' columns that are kept at a time."""
+SMALL, GAIN_STEP, GAINS = 0.05, 0.25, (-0.78, 2.5)
+"""Relative gain of friction's strength that counts as small, steps of its logarithm at which the change is computed, and between
+which gains."""
 
 
 @dataclass(frozen=True)
@@ -139,9 +141,31 @@ class SimulatorScene:
     @property
     def strength(self) -> Floats:
         """Change of that part for a relative change of its strength by one at the same stiffness, N·m, shape (n,)."""
-        return self._once(
-            "strength", lambda: strength_of(self.emulator.split, motion_of(self.signals), self.signals.timed)
-        )
+        return self._strength_at(0)
+
+    def strength_about(self, gain: Floats) -> Floats:
+        """The same over a ``gain`` (n,) of that strength that is not small, N·m, shape (n,).
+
+        Friction turns round often while its strength changes, so that it is where it would be with that strength throughout.
+        """
+        at = np.clip(np.log1p(np.maximum(gain, GAINS[0])) / GAIN_STEP, None, np.log1p(GAINS[1]) / GAIN_STEP)
+        below = np.floor(at).astype(np.intp)
+        first, last = int(below.min()), int(below.max()) + 1
+        nodes = np.array([self._strength_at(k) for k in range(first, last + 1)])
+        samples = np.arange(below.size)
+        share = at - below
+        return (1.0 - share) * nodes[below - first, samples] + share * nodes[below - first + 1, samples]
+
+    def _strength_at(self, k: int) -> Floats:
+        """The same over a gain of ``k`` steps."""
+        gain = float(np.expm1(k * GAIN_STEP))
+
+        def change() -> Floats:
+            if k:
+                return self.stronger(gain) / gain
+            return (self.stronger(SMALL) - self.stronger(-SMALL)) / (2.0 * SMALL)
+
+        return self._once(f"strength, {k}", change)
 
     def stronger(self, gain: float) -> Floats:
         """Change of the output for a relative ``gain`` of that strength, however large, N·m, shape (n,)."""

@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 from ..operators.memory import bristle, plays, weighed
 from ..recording.noise import rms
 from ..recording.signals import Signals, differentiate
-from .elements import drag_among, kinks_moved, strengthened_among, stronger_of, tangents, torque_of, uncancelled
+from .elements import drag_among, kinks_moved, strengthened_among, tangents, torque_of, uncancelled
 from .growth import PLACED, RATES, STOPS, Growth
 from .kinds import ELASTIC, KINDS, KINKS, MEMORY
 from .motion import DIFFERENCES, Extent, Motion
 from .selection import CLEARLY, places_of, solve, spread, triangle
 
-__all__ = ["Generalised", "motion_of", "predict_generalised", "relative_error", "spring_of", "strength_of"]
+__all__ = ["Generalised", "motion_of", "predict_generalised", "relative_error", "spring_of", "strengthened"]
 
 Floats = NDArray[np.float64]
 ELEMENTS, FINER = 14, 40
@@ -389,25 +389,10 @@ def spring_of(parameters: Mapping[str, Any], x: Floats) -> Floats:
     return np.asarray(curve + kinks)
 
 
-def strength_of(parameters: Mapping[str, Any], motion: Motion, timed: bool = True) -> Floats:
-    """Change of the built-in emulator's output for a relative change by one of the strength of what has memory.
+def strengthened(parameters: Mapping[str, Any], motion: Motion, gain: float, timed: bool = True) -> Floats:
+    """Change of the built-in emulator's output for a relative ``gain`` of the strength of what has memory, N·m, shape (n,).
 
     And, where the motion is ``timed``, of friction that knows the speed alone: without a clock it only tells the direction.
-    """
-    thresholds, lengths, weights = (np.asarray(parameters[name]) for name in ("thresholds", "lengths", "weights"))
-    motion = _as_seen(parameters, motion)
-    stronger = _stronger(motion, thresholds, lengths) @ weights
-    stronger += stronger_of(parameters.get("further", {}), motion)
-    if timed:
-        signs = _rates(motion.speed, motion.acceleration, float(parameters["fast"]))[:, -len(STEEPNESS) :]
-        stronger += signs @ np.asarray(parameters["rates"])[-len(STEEPNESS) :]
-    return np.asarray(stronger)
-
-
-def strengthened(parameters: Mapping[str, Any], motion: Motion, gain: float, timed: bool = True) -> Floats:
-    """Change of the built-in emulator's output for a relative ``gain`` of the strength of all friction, N·m, shape (n,).
-
-    Nearly :func:`strength_of` times a small gain, and right for a large one.
     """
     rates, fast = np.array(parameters["rates"]), float(np.std(_as_seen(parameters, motion).speed))
     if timed:

@@ -439,7 +439,7 @@ class Evidence:
 
         unknowns = count_unknowns(ordered)
         found = beside_each(effect_columns(self.scene, ordered))
-        if are_seen_by_others(ordered):
+        for _ in range(passes_of(ordered)):
             # The first pass takes the effects as independent, the second lets later ones act on what earlier ones made:
             # beside a refitted simulator, and beside an exact one, where that may be quite another torque.
             kinds = ([h for h in found if is_refitted(h.scale) == refitted] for refitted in (False, True))
@@ -458,10 +458,17 @@ def effect_columns(scene: SimulatorScene, terms: Sequence[Term], guess: Floats |
     """
     made: list[Floats] = []
     torque = scene.torque
+    start = 0
     for term in sorted(terms, key=lambda term: ORDER[term.effect.acts_on]):
-        if guess is not None and made and ORDER[term.effect.acts_on] > 0:
-            before = np.hstack(made)
-            made.append(term.form.columns(scene.with_torque(torque + before @ guess[: before.shape[1]]), term.shape))
+        last, start = start, start + len(term.form.coefficients)
+        if guess is not None and (term.form.about or (made and ORDER[term.effect.acts_on] > 0)):
+            seen = scene
+            if made and ORDER[term.effect.acts_on] > 0:
+                seen = scene.with_torque(torque + np.hstack(made) @ guess[:last])
+            if term.form.about:
+                made.append(term.form.about(seen, term.shape, guess[last:start]))
+            else:
+                made.append(term.form.columns(seen, term.shape))
         else:
             # A search moves one shape at a time: the other terms' columns are there already.
             key = (term.effect.id, term.form.name, term.shape)
@@ -482,9 +489,13 @@ def elsewhere(terms: Sequence[Term], coefficients: Floats) -> tuple[list[Term], 
     return lasting, np.concatenate(kept) if kept else coefficients
 
 
-def are_seen_by_others(terms: Sequence[Term]) -> bool:
-    """Whether some of the terms, in their order, act on what those before made."""
-    return any(ORDER[term.effect.acts_on] > 0 for term in terms[1:])
+def passes_of(terms: Sequence[Term]) -> int:
+    """How often coefficients must be known to make the columns: where some of the terms, in their order, act on what those before
+    made, or are not linear.
+    """
+    if any(term.form.about for term in terms):
+        return 2
+    return int(any(ORDER[term.effect.acts_on] > 0 for term in terms[1:]))
 
 
 def count_unknowns(terms: Sequence[Term]) -> int:

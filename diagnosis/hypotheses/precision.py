@@ -105,7 +105,7 @@ def _parameters(evidence: Evidence, hypothesis: Hypothesis) -> list[_Fitted]:
             zip(form.coefficients, zip(form.lower, form.upper, strict=True), strict=True)
         ):
             if bounds[0] < bounds[1]:
-                value, slope = float(hypothesis.coefficients[start + j]), hypothesis.columns[:, start + j]
+                value, slope = float(hypothesis.coefficients[start + j]), _along(evidence, hypothesis, k, start + j)
                 made.append(_Fitted(term.effect.id, name, value, bounds, False, slope, (k, -1)))
         start += len(form.coefficients)
         shapes = zip(form.shapes, term.shape, form.limits, form.by_ratio, strict=True)
@@ -116,6 +116,19 @@ def _parameters(evidence: Evidence, hypothesis: Hypothesis) -> list[_Fitted]:
             slope *= (value if by_ratio else 1.0) / (high - low)
             made.append(_Fitted(term.effect.id, name, value, bounds, by_ratio, slope, (k, j)))
     return made
+
+
+def _along(evidence: Evidence, hypothesis: Hypothesis, k: int, i: int) -> Floats:
+    """How what all effects add changes with coefficient ``i``, one of term ``k``, shape (n,)."""
+    value = hypothesis.coefficients[i]
+    if hypothesis.terms[k].form.about is None or value == 0.0:
+        return hypothesis.columns[:, i]
+    ends = []
+    for sign in (1.0, -1.0):
+        moved = hypothesis.coefficients.copy()
+        moved[i] = value * (1.0 + sign * STEP)
+        ends.append(effect_columns(evidence.scene, hypothesis.terms, moved) @ moved)
+    return np.asarray((ends[0] - ends[1]) / (2.0 * STEP * value))
 
 
 def _torque(evidence: Evidence, hypothesis: Hypothesis, place: tuple[int, int], value: float) -> Floats:

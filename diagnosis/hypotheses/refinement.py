@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from .evidence import RIDGE, Evidence, Hypothesis, Scale, Term, are_seen_by_others, effect_columns
+from .evidence import RIDGE, Evidence, Hypothesis, Scale, Term, effect_columns, passes_of
 
 __all__ = ["polish", "refine", "refine_anyhow"]
 
@@ -116,7 +116,7 @@ class _Profile:
     def slopes(self, values: Floats) -> Floats:
         """Shape (n, shapes)."""
         fitted, rows = self._fit(values), self._evidence.rows
-        guess = fitted.coefficients if are_seen_by_others(fitted.terms) else None
+        guess = fitted.coefficients if passes_of(fitted.terms) else None
         columns = fitted.columns if guess is None else effect_columns(self._evidence.scene, fitted.terms, guess)
         signal = columns @ fitted.coefficients
         made = np.empty((np.count_nonzero(rows), values.size))
