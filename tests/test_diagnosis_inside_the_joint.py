@@ -156,6 +156,7 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
         lambda: spring(X) * (1.0 + 0.05 * (np.exp(-TIME / 9.0) - 1.0)) + friction(X) * (1.0 + 0.5 * (np.exp(-TIME / 9.0) - 1.0)),
     ),
     "a spring that friction heats": ("thermal_drift", lambda: spring(X) * (1.0 - 0.3 * rubbed_warm(15.0)) + friction(X)),
+    "a sensor that friction heats": ("thermal_drift", lambda: joint(X) - 0.25 * rubbed_warm(4.0)),
     "a soft limit on one side": ("torque_saturation", lambda: soft_limit(joint(X), 2.6)),
     "unequal limits": ("torque_saturation", lambda: np.clip(joint(X), -1.9, 2.4)),
     "a sensor's compression": ("torque_gain", lambda: joint(X) * (1.12 - 0.01 * np.abs(joint(X)))),

@@ -19,16 +19,13 @@ quantile of the slopes there that the steps rest on: too steep only makes them s
 AT_FLANK = 1e-6
 """Distance from a flank, over the clearance's half, that is contact."""
 FLANKS = np.linspace(-1.0, 1.0, 7)
+BEHIND = "x = x - g in all that does not follow speed or acceleration alone,  "
 IN_SERIES = (
-    "x = x - g in all that does not follow speed or acceleration alone,  g where that adds up to y = 0 if it is within "
-    "±clearance / 2, else at the flank to which it presses"
+    BEHIND + "g where that adds up to y = 0 if it is within ±clearance / 2, else at the flank to which it presses"
 )
-SOFTLY = (
-    "x = x - g in all that does not follow speed or acceleration alone,  g = clearance / 2 * tanh(y / flank_torque) where that "
-    "adds up to y"
-)
-IN_FLIGHT = (
-    "x = x - g,  g at the flank ±clearance / 2 to which y presses it; where y passes zero the load flies across, swinging at "
+SOFTLY = BEHIND + "g = clearance / 2 * tanh(y / flank_torque) where that adds up to y"
+IN_FLIGHT = BEHIND + (
+    "g at the flank ±clearance / 2 to which that presses; where it passes zero the load flies across, swinging at "
     "load_frequency from its speed there: no torque until it hits, then load_inertia times its change of speed"
 )
 """Equations of a clearance in series with the joint, of hard and of soft flanks, and of a load that has inertia."""

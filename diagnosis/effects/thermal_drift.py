@@ -153,6 +153,7 @@ class ThermalDrift(Effect):
             _form("zero, linear", "zero_drift * t", zero, _warming),
             _form("zero, exponential", f"zero_drift * {EXPONENTIAL}", zero, _warming, *warming),
             _form("zero, self-heating", f"zero_drift * {HEATED}", zero, _self_heating, *heating),
+            _form("zero, friction heating", f"zero_drift * {RUBBED}", zero, _friction_heating, *heating),
             _form("zero, slow wave", _slow_wave("zero_drift"), (*zero, "zero_drift_cos"), _wave, *waves),
             _form("zero, self-heating and warming", f"zero_drift * {HEATED} + zero_drift_idle * {EXPONENTIAL}",
                   (*zero, "zero_drift_idle"), _both_heats, *slowly),
