@@ -121,8 +121,11 @@ class SimulatorScene:
         return self.emulator.predict(x) if self.emulator.refitted else self.torque + self.torque_change(x)
 
     def drag_at(self, x: Floats) -> Floats:
-        """What of the simulator's output follows speed and acceleration alone, if its input were ``x`` (n,), N·m."""
-        return drag_of(self.emulator.split, motion_beside(self.signals, x))
+        """What of the simulator's output follows speed and acceleration alone, if its input were ``x`` (n,), N·m.
+
+        Nothing, where no time was recorded.
+        """
+        return drag_of(self.emulator.split, motion_beside(self.signals, x)) if self.signals.timed else np.zeros(x.size)
 
     @property
     def spring(self) -> Floats:
