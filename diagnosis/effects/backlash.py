@@ -24,9 +24,10 @@ IN_SERIES = (
     BEHIND + "g where that adds up to y = 0 if it is within ±clearance / 2, else at the flank to which it presses"
 )
 SOFTLY = BEHIND + "g = clearance / 2 * tanh(y / flank_torque) where that adds up to y"
-IN_FLIGHT = BEHIND + (
-    "g at the flank ±clearance / 2 to which that presses; where it passes zero the load flies across, swinging at "
-    "load_frequency from its speed there: no torque until it hits, then load_inertia times its change of speed"
+IN_FLIGHT = (
+    "x = x - g,  g at the flank ±clearance / 2 to which y presses it, without what follows speed or acceleration alone; where "
+    "that passes zero the load flies across, swinging at load_frequency from its speed there: no torque until it hits, then "
+    "load_inertia times its change of speed"
 )
 """Equations of a clearance in series with the joint, of hard and of soft flanks, and of a load that has inertia."""
 
@@ -156,7 +157,8 @@ def _flight(scene: Scene, shape: tuple[float, ...]) -> Floats:
     pressed = np.sign(settled) * (np.abs(settled) >= (1.0 - AT_FLANK) * half)
     flown = [free_flight(s.time[run], s.smooth_x[run], s.speed[run], pressed[run], half, frequency) for run in s.runs]
     across, free, hit = (np.concatenate(parts) for parts in zip(*flown, strict=True))
-    change = _loosened(scene, across)
+    # A load that flies has the simulator's mass and damping with it.
+    change = scene.torque_change(s.x - across)
     # Nothing loads the drive while the load flies.
     return np.column_stack([np.where(free > 0.0, -scene.torque, change), hit])
 
