@@ -14,7 +14,8 @@ from hystbench.diagnosis import registry
 from hystbench.diagnosis.attribution import locate
 from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.excitation import Limits, candidate_motions
-from hystbench.diagnosis.hypotheses.evidence import Evidence, Term, boxed_least_squares
+from hystbench.diagnosis.hypotheses.boxed import boxed_least_squares
+from hystbench.diagnosis.hypotheses.evidence import Evidence, Term
 from hystbench.diagnosis.hypotheses.heldout import _folds, closed_share
 from hystbench.diagnosis.hypotheses.refinement import refine
 from hystbench.diagnosis.operators.memory import bristle, lowpass, plays

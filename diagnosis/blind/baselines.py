@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..hypotheses.evidence import Term, boxed_least_squares
+from ..hypotheses.boxed import boxed_least_squares
+from ..hypotheses.evidence import Term
 from ..hypotheses.search import Library
 
 __all__ = ["by_correlation", "by_fit"]

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from .evidence import RIDGE, Evidence, Hypothesis, Scale, Term, effect_columns, passes_of
+from .boxed import RIDGE
+from .evidence import Evidence, Hypothesis, Scale, Term, effect_columns, passes_of
 
 __all__ = ["polish", "refine", "refine_anyhow"]
 

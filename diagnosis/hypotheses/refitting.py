@@ -21,7 +21,7 @@ from ...errors import InputError
 from ..effects.base import INPUT, Effect, Form
 from ..emulator.emulation import Emulator, SimulatorScene, answers_of
 from ..recording.signals import Signals
-from .evidence import boxed_least_squares
+from .boxed import boxed_least_squares
 
 __all__ = ["fitted_again", "refitted_beside"]
 

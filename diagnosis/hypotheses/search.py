@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from ..effects.base import Effect, Form
 from .adequacy import left_by
-from .evidence import Evidence, Hypothesis, Scale, Term, boxed_least_squares, count_unknowns, is_refitted
+from .boxed import boxed_least_squares
+from .evidence import Evidence, Hypothesis, Scale, Term, count_unknowns, is_refitted
 from .refinement import refine, refine_anyhow
 
 __all__ = ["NOTHING", "Library", "search"]
