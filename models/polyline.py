@@ -260,13 +260,16 @@ def _rising_error(x: Floats, y: Floats, vertices: Floats) -> float:
 def _profile(x: Floats, y: Floats, vertices: Floats) -> tuple[Floats, float]:
     """Residuals and their sum of squares at the best ordinates for these vertices."""
     basis = hat_basis(x, vertices)
-    residuals = basis @ np.linalg.solve(_gram(basis), basis.T @ y) - y
+    residuals = _at_best(basis, y)[2]
     return residuals, float(residuals @ residuals)
 
 
-def _gram(basis: Floats) -> Floats:
+def _at_best(basis: Floats, y: Floats) -> tuple[Floats, Floats, Floats]:
+    """Gram matrix of a design, the best ordinates, and the residuals there."""
     # A tiny ridge keeps the problem defined where a segment holds no points.
-    return basis.T @ basis + 1e-12 * basis.shape[0] * np.eye(basis.shape[1])
+    gram = basis.T @ basis + 1e-12 * basis.shape[0] * np.eye(basis.shape[1])
+    ordinates = np.linalg.solve(gram, basis.T @ y)
+    return gram, ordinates, basis @ ordinates - y
 
 
 def _profile_slopes(x: Floats, y: Floats, vertices: Floats) -> Floats:
@@ -277,9 +280,7 @@ def _profile_slopes(x: Floats, y: Floats, vertices: Floats) -> Floats:
     """
     k, fraction = _places(x, vertices)
     basis = _hats(x, vertices, k, fraction)
-    gram = _gram(basis)
-    ordinates = np.linalg.solve(gram, basis.T @ y)
-    residuals = basis @ ordinates - y
+    gram, ordinates, residuals = _at_best(basis, y)
     segments, width = vertices.size - 1, _widths(vertices)
     # A vertex that moves takes the line on either side along: by the line's slope, as far as its hat reaches.
     held = -basis * (np.diff(ordinates) / width)[k][:, np.newaxis]

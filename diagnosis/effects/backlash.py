@@ -88,11 +88,8 @@ def _crossed(scene: Scene, half: float) -> Floats:
     Newton's steps towards that, all samples at once. Damping and mass are the drive's: a joint that had them would leave
     its place slowly, and here it would be thrown from one to the next.
     """
-    s = scene.signals
-    x = joint = s.smooth_x
-    noise = s.x - x
-    torque = _beyond(scene, s.x)
-    stiffness = np.full_like(x, _stiffness(x, torque) or _probed(scene, half))
+    x, noise, torque, stiffness = _begun(scene, half)
+    joint = x
     for _ in range(ROUNDS):
         joint, before = np.clip(joint - torque / stiffness, x - half, x + half), torque
         torque = _beyond(scene, joint + noise)
@@ -103,17 +100,20 @@ def _crossed(scene: Scene, half: float) -> Floats:
 
 def _pressed(scene: Scene, half: float, soft: float) -> Floats:
     """Position within a clearance of ±``half`` in series with the joint whose flanks yield over a torque of ``soft``, rad."""
-    s = scene.signals
-    x = joint = s.smooth_x
-    noise = s.x - x
-    stiffness = np.full_like(x, _stiffness(x, _beyond(scene, s.x)) or _probed(scene, half))
-    missed = np.zeros_like(x)
+    x, noise, _, stiffness = _begun(scene, half)
+    joint, missed = x, np.zeros_like(x)
     for _ in range(ROUNDS):
         pressure = np.tanh(_beyond(scene, joint + noise) / soft)
         missed, before = joint + half * pressure - x, missed
         stiffness[missed * before < 0.0] *= 2.0
         joint = joint - missed / (1.0 + half * stiffness / soft * (1.0 - pressure**2))
     return x - joint
+
+
+def _begun(scene: Scene, half: float) -> tuple[Floats, Floats, Floats, Floats]:
+    """Where Newton's steps begin: the deflection and its noise, the torque behind the clearance and its slope, each (n,)."""
+    x, torque = scene.signals.smooth_x, _beyond(scene, scene.signals.x)
+    return x, scene.signals.x - x, torque, np.full_like(x, _stiffness(x, torque) or _probed(scene, half))
 
 
 def _beyond(scene: Scene, x: Floats) -> Floats:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -33,18 +33,18 @@ MOVED = 0.04
 
 def torque_of(further: Further, motion: Motion, part: str | None = None) -> Floats:
     """Torque of further elements, or of those that are ``part`` of the simulator, N·m, shape (n,)."""
-    total = np.zeros(motion.x.size)
-    for kind, sizes, weights in _made(further):
-        if part in (None, kind.part):
-            total += kind.torque(motion, sizes, weights)
-    return total
+    return _total(further, motion, lambda kind: part in (None, kind.part))
 
 
 def drag_among(further: Further, motion: Motion) -> Floats:
     """Torque of those that follow the speed alone, N·m, shape (n,)."""
+    return _total(further, motion, lambda kind: kind.drags)
+
+
+def _total(further: Further, motion: Motion, counts: Callable[[Kind], bool]) -> Floats:
     total = np.zeros(motion.x.size)
     for kind, sizes, weights in _made(further):
-        if kind.drags:
+        if counts(kind):
             total += kind.torque(motion, sizes, weights)
     return total
 

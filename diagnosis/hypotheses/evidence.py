@@ -393,10 +393,9 @@ def effect_columns(scene: SimulatorScene, terms: Sequence[Term], guess: Floats |
     start = 0
     for term in sorted(terms, key=lambda term: ORDER[term.effect.acts_on]):
         last, start = start, start + len(term.form.coefficients)
-        if guess is not None and (term.form.about or (made and ORDER[term.effect.acts_on] > 0)):
-            seen = scene
-            if made and ORDER[term.effect.acts_on] > 0:
-                seen = scene.with_torque(torque + np.hstack(made) @ guess[:last])
+        sees_others = bool(made) and ORDER[term.effect.acts_on] > 0
+        if guess is not None and (term.form.about or sees_others):
+            seen = scene.with_torque(torque + np.hstack(made) @ guess[:last]) if sees_others else scene
             if term.form.about:
                 made.append(term.form.about(seen, term.shape, guess[last:start]))
             else:

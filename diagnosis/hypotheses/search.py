@@ -224,7 +224,7 @@ def search(library: Library, wide: int = 9, most: int = 3) -> list[Hypothesis]:
             if size == 1 and fitted.score > leading.score - far * evidence.effective:
                 made += [*_successors(evidence, fitted), *_siblings(evidence, fitted)]
                 best = max(made, key=lambda hypothesis: hypothesis.score)
-                if best is not fitted and best.score > leading.score:
+                if best.score > leading.score:
                     # A law that leads by starting from another may itself be where a better one starts.
                     made += _successors(evidence, best)
             for better in made:
