@@ -27,7 +27,7 @@ from hystbench.diagnosis.blind.cases import (
     quick_part,
 )
 from hystbench.diagnosis.blind.check import check, diagnose_blind, examine, seal, unseal
-from hystbench.diagnosis.blind.cost import growth
+from hystbench.diagnosis.blind.cost import growth, measure
 from hystbench.diagnosis.blind.motions import MOTIONS
 from hystbench.diagnosis.blind.plants import EFFECTS, VARIED, Case, make, plant_of
 from hystbench.diagnosis.blind.scoring import (
@@ -241,6 +241,22 @@ def test_an_ambiguous_sine_is_settled_by_the_recording_that_is_asked_for(tmp_pat
     assert all(settled(record, label))
 
 
+def test_what_is_driven_again_is_the_recording_without_what_the_scorer_asks_for() -> None:
+    for effects in (("encoder_eccentricity",), ("viscous_friction",)):
+        plant, time, x = plant_of(Case("slip", effects, 8.0, 0.04, "rich", 5), 10.0)
+        made, driven = (drive(time, x, np.random.default_rng(7)) for drive in (plant.record, plant.drive))
+        for name in ("x", "y_real", "y_sim"):
+            assert np.array_equal(getattr(made, name), getattr(driven, name))
+
+
+def test_costs_are_those_of_real_diagnoses_the_shortest_first() -> None:
+    costs = measure((900, 300))
+    assert [cost["samples"] for cost in costs] == [300, 900]
+    assert all(0.0 < cost["seconds"] < 60.0 for cost in costs)
+    peaks = [cost["peak_mb"] for cost in costs]
+    assert peaks == [None, None] or 50.0 < peaks[0] <= peaks[1]
+
+
 def test_carried_over_to_another_motion_the_prediction_holds() -> None:
     plant, time, x = plant_of(Case("slip", ("viscous_friction",), 8.0, 0.0, "rich", 21), 30.0)
     made = plant.record(time, x, np.random.default_rng(1))
@@ -268,7 +284,9 @@ def test_the_whole_check_on_three_recordings(tmp_path: Path, monkeypatch: pytest
     monkeypatch.setattr(check_module, "available", lambda: ("slip",))
     monkeypatch.setattr(check_module, "SECONDS", 20.0)
     monkeypatch.setattr(
-        check_module, "measure", lambda samples: {"samples": samples, "seconds": 1e-3 * samples, "peak_mb": 300.0}
+        check_module,
+        "measure",
+        lambda lengths: [{"samples": n, "seconds": 1e-3 * n, "peak_mb": 300.0} for n in lengths],
     )
     told = check(tmp_path, jobs=1)
     scores = json.loads((tmp_path / "scores.json").read_text(encoding="utf-8"))

@@ -15,7 +15,7 @@ from hystbench.diagnosis.attribution import locate
 from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.excitation import Limits, candidate_motions
 from hystbench.diagnosis.hypotheses.boxed import boxed_least_squares
-from hystbench.diagnosis.hypotheses.evidence import Evidence, Term
+from hystbench.diagnosis.hypotheses.evidence import Evidence, Term, effect_columns
 from hystbench.diagnosis.hypotheses.heldout import _folds, closed_share
 from hystbench.diagnosis.hypotheses.refinement import refine
 from hystbench.diagnosis.operators.memory import bristle, lowpass, plays
@@ -43,6 +43,45 @@ def test_equal_bounds_fix_a_coefficient() -> None:
         np.eye(2)[None], np.array([[3.0, 3.0]]), np.array([1.0, -np.inf]), np.array([1.0, np.inf])
     )
     assert beta[0] == pytest.approx([1.0, 3.0])
+
+
+def test_a_law_sees_the_torque_that_others_made_wherever_it_is_first_asked() -> None:
+    """Corrections and other motions begin with the coefficients: nothing was asked of their simulator before."""
+    time = np.arange(2000) * 0.01
+    x = np.sin(1.9 * time) * (0.6 + 0.3 * np.sin(0.3 * time))
+    recorded = Signals(time, x, 4.0 * x, 4.0 * x, [slice(0, x.size)], {})
+    named = (("viscous_friction", ""), ("torque_gain", ""), ("torque_saturation", "hard"))
+    scene = SimulatorScene(recorded, emulate(recorded, None))
+    terms = []
+    for name, law in named:
+        effect = registry.get(name)()
+        form = next(form for form in effect.forms(scene) if law in ("", form.name))
+        terms.append(Term(effect, form, form.grid[0]))
+    viscous, _, limited = terms
+    guess = np.concatenate([np.full(len(viscous.form.coefficients), 0.3), [0.2], [1.0]])
+    made = effect_columns(SimulatorScene(recorded, scene.emulator), terms, guess)
+    first = len(viscous.form.coefficients)
+    damped = recorded.y_sim + made[:, :first] @ guess[:first]
+    assert made[:, first] == pytest.approx(damped)
+    raised = damped + 0.2 * made[:, first]
+    limit = limited.shape[0]
+    assert made[:, first + 1] == pytest.approx(np.clip(raised, -limit, limit) - raised)
+    assert made[:, :first] == pytest.approx(effect_columns(scene, [viscous]))
+
+
+def test_what_a_law_remembers_of_the_torque_counts_as_asking_for_it() -> None:
+    time = np.arange(500) * 0.01
+    x = np.sin(3.0 * time)
+    scene = SimulatorScene(Signals(time, x, x, 2.0 * x, [slice(0, x.size)], {}))
+
+    def twice() -> np.ndarray:
+        return scene.remembered("twice", lambda: 2.0 * scene.torque)[:, None]
+
+    for law in ("first", "second"):
+        assert scene.columns_of(law, (), twice)[:, 0] == pytest.approx(4.0 * x)
+        assert scene.is_of_torque(law)
+    scene.columns_of("third", (), lambda: scene.signals.x[:, None])
+    assert not scene.is_of_torque("third")
 
 
 def test_a_set_is_fitted_beside_an_exact_simulator_as_if_there_were_no_other() -> None:

@@ -31,7 +31,7 @@ from .carry_over import found_closed, named_effects, predicted_closed, signal_on
 from .cases import SINE, TEST_PLANTS, USUAL, available, bank, group, outside_of, quick_part
 from .cost import LENGTHS, growth, measure
 from .motions import MOTIONS
-from .plant import Case, Made, Plant
+from .plant import Case, Plant, Recorded
 from .plants import plant_of
 from .scoring import is_right, score
 
@@ -49,9 +49,9 @@ class Laboratory:
     case: Case
     plant: Plant
 
-    def record(self, time: np.ndarray, x: np.ndarray, request: int) -> Made:
+    def record(self, time: np.ndarray, x: np.ndarray, request: int) -> Recorded:
         """Drive the case's plant along another motion; ``request`` numbers the requests (its noise is another)."""
-        return self.plant.record(time, x, np.random.default_rng([self.case.seed, 3, request]))
+        return self.plant.drive(time, x, np.random.default_rng([self.case.seed, 3, request]))
 
     def other_motion(self) -> tuple[np.ndarray, np.ndarray]:
         """A motion of another kind than the case's."""
@@ -82,7 +82,7 @@ def check(out: Path, seeds: int = 1, jobs: int | None = None, quick: bool = Fals
     examined = (delayed(examine)(out, task, laboratories[task["id"]]) for task in tasks)
     verdicts = _progress("diagnoses", Parallel(n_jobs=workers, return_as="generator")(examined), len(tasks))
     write_text(out / "verdicts.json", json.dumps(verdicts, indent=1) + "\n")
-    costs = [measure(samples) for samples in LENGTHS]
+    costs = measure(LENGTHS)
     labels = unseal(out)
     scores = score(verdicts, labels, {"by_length": costs, "exponent": growth(costs)})
     scores["run"] = {
@@ -158,7 +158,7 @@ def unseal(out: Path) -> dict[str, Any]:
     return json.loads(text)
 
 
-def _write_recording(out: Path, name: str, made: Made) -> tuple[str, str]:
+def _write_recording(out: Path, name: str, made: Recorded) -> tuple[str, str]:
     """Write what was recorded and what the simulator says; return the two files' names in ``out``."""
     real, sim = f"recordings/{name}-real.parquet", f"recordings/{name}-sim.parquet"
     (out / "recordings").mkdir(exist_ok=True)

@@ -1,7 +1,8 @@
-"""What a diagnosis costs: seconds and peak memory by the length of the recording, each in a process of its own."""
+"""What a diagnosis costs: seconds and peak memory by the length of the recording."""
 
 from __future__ import annotations
 
+import functools
 import time
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -11,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ..recording.signals import Signals
 from .plants import Case, make
 
 __all__ = ["LENGTHS", "growth", "measure"]
@@ -19,10 +21,13 @@ LENGTHS = (5_000, 10_000, 20_000)
 RATE = 100.0
 
 
-def measure(samples: int) -> dict[str, Any]:
-    """Seconds and peak memory (MB; None where the system does not tell) of one diagnosis in a fresh process."""
+def measure(lengths: Sequence[int]) -> list[dict[str, Any]]:
+    """Seconds and peak memory so far (MB; None where the system does not tell) of a diagnosis of each length, shortest first.
+
+    In a fresh process, one after the other, when nothing else runs.
+    """
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as process:
-        return process.submit(_diagnose, samples).result()
+        return list(process.map(_diagnose, sorted(lengths)))
 
 
 def growth(measured: Sequence[dict[str, Any]]) -> float:
@@ -32,17 +37,24 @@ def growth(measured: Sequence[dict[str, Any]]) -> float:
 
 def _diagnose(samples: int) -> dict[str, Any]:
     from ..diagnosis import diagnose
-    from ..recording.signals import Signals
 
-    def recorded(count: int) -> Signals:
-        return make(Case("asymmetric", ("viscous_friction",), 4.0, 0.0, "rich", 1), count / RATE, RATE).signals
-
-    # Kernels are compiled or loaded once an installation; what is measured comes after.
-    diagnose(recorded(1000))
-    signals = recorded(samples)
+    _warm()
+    signals = _recorded(samples)
     began = time.perf_counter()
     diagnose(signals)
     return {"samples": samples, "seconds": time.perf_counter() - began, "peak_mb": _peak_mb()}
+
+
+@functools.cache
+def _warm() -> None:
+    """Kernels are compiled or loaded once an installation; what is measured comes after."""
+    from ..diagnosis import diagnose
+
+    diagnose(_recorded(1000))
+
+
+def _recorded(samples: int) -> Signals:
+    return make(Case("asymmetric", ("viscous_friction",), 4.0, 0.0, "rich", 1), samples / RATE, RATE).signals
 
 
 def _peak_mb() -> float | None:

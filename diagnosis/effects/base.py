@@ -76,8 +76,11 @@ class Scene(Protocol):
     """What an effect may look at."""
 
     signals: Signals
-    torque: Floats
-    """The simulator's output, N·m, shape (n,), with the effects that act before this one."""
+
+    @property
+    def torque(self) -> Floats:
+        """The simulator's output, N·m, shape (n,), with the effects that act before this one."""
+        ...
 
     @property
     def spring(self) -> Floats:

@@ -96,11 +96,20 @@ class SimulatorScene:
         base: Floats | None = None,
     ) -> None:
         self.signals = signals
-        self.torque = signals.y_sim if torque is None else torque
-        self._remembered: OrderedDict[Hashable, Floats] = OrderedDict()
+        self._torque = signals.y_sim if torque is None else torque
+        self._asked = False
+        """Whether the torque was asked for since this was last looked at."""
+        self._of_torque: set[Hashable] = set()
+        self._remembered: OrderedDict[Hashable, tuple[Floats, bool]] = OrderedDict()
         self._lasting: dict[str, Any] = {
             name: given for name, given in (("emulator", emulator), ("base", base)) if given is not None
         }
+
+    @property
+    def torque(self) -> Floats:
+        """The torque so far, N·m, shape (n,)."""
+        self._asked = True
+        return self._torque
 
     @property
     def emulator(self) -> Emulator:
@@ -183,17 +192,32 @@ class SimulatorScene:
         """What ``make`` gives, kept for the next call with ``key`` unless many others come between."""
         if key in self._remembered:
             self._remembered.move_to_end(key)
-            return self._remembered[key]
-        made = make()
-        self._remembered[key] = made
-        if len(self._remembered) > REMEMBERED:
-            self._remembered.popitem(last=False)
+        else:
+            before, self._asked = self._asked, False
+            self._remembered[key] = make(), self._asked
+            self._asked = before
+            if len(self._remembered) > REMEMBERED:
+                self._remembered.popitem(last=False)
+        made, asked = self._remembered[key]
+        self._asked |= asked
         return made
+
+    def columns_of(self, law: Hashable, shape: Hashable, make: Callable[[], Floats]) -> Floats:
+        """The same for a law's columns, of which is noted whether the torque was asked for."""
+        self._asked = False
+        made = self.remembered((law, shape), make)
+        if self._asked:
+            self._of_torque.add(law)
+        return made
+
+    def is_of_torque(self, law: Hashable) -> bool:
+        """Whether the columns of a law depend on the torque so far, as far as they were asked for."""
+        return law in self._of_torque
 
     def with_torque(self, torque: Floats) -> SimulatorScene:
         """The same scene after effects that changed the torque."""
         scene = SimulatorScene(self.signals, torque=torque)
-        scene._lasting = self._lasting
+        scene._lasting, scene._of_torque = self._lasting, self._of_torque
         return scene
 
 

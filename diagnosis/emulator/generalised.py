@@ -21,7 +21,7 @@ from .elements import drag_among, kinks_moved, strengthened_among, tangents, tor
 from .growth import PLACED, RATES, STOPS, Growth
 from .kinds import ELASTIC, KINDS, KINKS, MEMORY
 from .motion import DIFFERENCES, Extent, Motion
-from .selection import CLEARLY, places_of, solve, spread, triangle
+from .selection import CLEARLY, places_of, solve, spread
 
 __all__ = ["Generalised", "motion_of", "predict_generalised", "relative_error", "spring_of", "strengthened"]
 
@@ -137,13 +137,15 @@ class Generalised:
         bounded = {STOPS: sign * stops} | {name: sign * made[name] for name in made if KINDS[name].one_sign}
         columns = np.hstack([*free.values(), *bounded.values()])
         places, several = places_of(free | bounded), sum(part.shape[1] for part in free.values())
-        rows = triangle(columns, signals.y_sim)
+        moments = columns.T @ signals.y_sim
+        products = np.block([[columns.T @ columns, moments[:, None]], [moments, signals.y_sim @ signals.y_sim]])
 
         def solved(at: NDArray[np.intp]) -> tuple[Floats, float]:
             """Weights of the columns ``at``, zero of the others, and the error that they leave."""
             weights = np.zeros(columns.shape[1])
             free_ones = int(np.count_nonzero(at < several))
-            weights[at] = solve(rows[:, [*at, -1]], elastic.shape[1], free_ones, signals.x.size)
+            chosen = np.ix_([*at, -1], [*at, -1])
+            weights[at] = solve(products[chosen], elastic.shape[1], free_ones, signals.x.size)
             return weights, relative_error(columns @ weights, signals.y_sim)
 
         everything = np.arange(columns.shape[1])

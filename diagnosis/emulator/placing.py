@@ -7,8 +7,9 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares, nnls
+from scipy.optimize import nnls
 
+from ..nonlinear import least
 from .kinds import Kind
 from .motion import Extent, Motion
 from .selection import CLEARLY, EXACT, WORTHWHILE
@@ -122,14 +123,23 @@ class _Maker:
         self._sign = sign
         # From one derivative to the next only the sizes of one element differ.
         self._column = functools.lru_cache(maxsize=2 * MOST)(lambda logs: columns(self._sizes(np.array(logs)))[:, 0])
+        self._at = np.full(1, np.nan)
 
     def _columns(self, logs: Floats) -> Floats:
         made = [self._column(tuple(row)) for row in logs.reshape(-1, self._low.size).tolist()]
         return np.column_stack(made) if made else np.empty((self._goal.size, 0))
 
     def _left(self, logs: Floats) -> Floats:
-        own = np.linalg.qr(self._columns(logs))[0]
+        own = self._factors(logs)[1]
         return np.asarray(self._goal - own @ (own.T @ self._goal))
+
+    def _factors(self, logs: Floats) -> tuple[Floats, Floats, Floats]:
+        """The columns and their QR factorisation, kept for the slopes where the residual was just asked for."""
+        if not np.array_equal(logs.ravel(), self._at):
+            columns = self._columns(logs)
+            self._factored = columns, *np.linalg.qr(columns)
+            self._at = logs.ravel().copy()
+        return self._factored
 
     def made(self) -> tuple[Floats, float]:
         """Sizes (k, m) of as many elements as are worthwhile, and the error that they leave."""
@@ -175,13 +185,12 @@ class _Maker:
         def slopes(moved: Floats) -> Floats:
             return self._slopes(at(moved).reshape(count, -1), moving)
 
-        found = least_squares(left, logs[which], slopes, bounds=within, max_nfev=steps[0], ftol=steps[1])
-        return at(found.x), float(np.linalg.norm(found.fun))
+        found, error = least(left, slopes, logs[which], within, steps[0], ftol=steps[1])
+        return at(found), float(np.linalg.norm(error))
 
     def _slopes(self, logs: Floats, moving: NDArray[np.bool_]) -> Floats:
         """Slopes of what is left by each size that moves (rows, any), their weights held (Kaufman, BIT 15, 1975)."""
-        columns = self._columns(logs)
-        own, upper = np.linalg.qr(columns)
+        columns, own, upper = self._factors(logs)
         weights = np.linalg.lstsq(upper, own.T @ self._goal, rcond=None)[0]
         # Towards the farther limit.
         steps = np.where(2.0 * logs < self._low + self._high, WIDE, -WIDE)
@@ -195,8 +204,7 @@ class _Maker:
 
     def _added(self, logs: Floats) -> tuple[Floats, float]:
         """The same with one element more, from where it helps most; without it where it hardly helps."""
-        left = self._left(logs)
-        basis = np.linalg.qr(self._columns(logs))[0]
+        left, basis = self._left(logs), self._factors(logs)[1]
         beyond = self._tried - basis @ (basis.T @ self._tried)
         size, own = np.sum(np.square(beyond), axis=0), np.sum(np.square(self._tried), axis=0)
         gain = np.where(size > 1e-6 * own, np.square(left @ beyond) / np.maximum(size, 1e-300), 0.0)

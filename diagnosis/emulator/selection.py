@@ -13,7 +13,7 @@ from scipy.optimize import nnls
 from ...models.least_squares import blocks, reduced
 from .kinds import ELASTIC
 
-__all__ = ["CLEARLY", "EXACT", "WORTHWHILE", "Selection", "places_of", "solve", "spread", "triangle"]
+__all__ = ["CLEARLY", "EXACT", "WORTHWHILE", "Selection", "places_of", "solve", "spread"]
 
 Floats = NDArray[np.float64]
 Places = NDArray[np.intp]
@@ -41,25 +41,24 @@ def triangle(columns: Floats, target: Floats) -> Floats:
     return reduced(np.column_stack([columns[part], target[part]]) for part in blocks(target.size))
 
 
-def solve(rows: Floats, elastic: int, free: int, samples: int) -> Floats:
+def solve(products: Floats, elastic: int, free: int, samples: int) -> Floats:
     """Least squares with so many free columns first, of them the elastic ones at the very first, then non-negative ones.
 
-    ``rows`` (any, k + 1) are the columns and the target, or their triangle, of so many samples. Returns shape (k,).
+    ``products`` (k + 1, k + 1) are those of the columns and the target with each other, over so many samples. Returns
+    shape (k,).
     """
-    scale = np.linalg.norm(rows[:, :-1], axis=0) / np.sqrt(samples)
+    scale = np.sqrt(np.diag(products)[:-1] / samples)
     scale[scale == 0.0] = 1.0
     # A small ridge keeps nearly equal columns from cancelling each other with huge weights; it is larger on what is not
     # elastic, so that what may be elastic goes to the elastic curve and not to elements that hardly ever yield, nor to the
-    # acceleration, which on one sine is as good a spring.
+    # acceleration, which on one sine is as good a spring. It makes products safe, which take far less than rows.
     strength = np.full(scale.size, BIAS)
     strength[:free] = FREE
     strength[:elastic] = SPRING
-    scaled = rows / np.append(scale, 1.0)
-    # The ridge makes products of columns safe, which take far less than a factorisation of so many rows.
-    products = scaled.T @ scaled
-    products[np.diag_indices(scale.size)] += strength * samples
-    matrix = np.asarray(cholesky(products[:-1, :-1], check_finite=False))
-    wanted = solve_triangular(matrix, products[:-1, -1], trans=1, check_finite=False)
+    gram = products[:-1, :-1] / np.outer(scale, scale)
+    gram[np.diag_indices(scale.size)] += strength * samples
+    matrix = np.asarray(cholesky(gram, overwrite_a=True, check_finite=False))
+    wanted = solve_triangular(matrix, products[:-1, -1] / scale, trans=1, check_finite=False)
     # The free unknowns come first in the triangle: below their rows only the bounded ones are left.
     positive = nnls(matrix[free:, free:], wanted[free:], maxiter=50 * scale.size)[0]
     rest = solve_triangular(matrix[:free, :free], wanted[:free] - matrix[:free, free:] @ positive, check_finite=False)
@@ -90,7 +89,9 @@ class Selection:
         columns = np.hstack(list(elements.values()))
         self._samples = target.size
         self._parts = [triangle(columns[fold == k], target[fold == k]) for k in range(FOLDS)]
-        self._others = [np.vstack([part for j, part in enumerate(self._parts) if j != k]) for k in range(FOLDS)]
+        others = ([part for j, part in enumerate(self._parts) if j != k] for k in range(FOLDS))
+        self._others = [rows.T @ rows for rows in map(np.vstack, others)]
+        """Products of the columns and the target, over all parts but one."""
         self._whole = reduced(self._parts)
         self._bounded = frozenset(bounded)
         self._exact = EXACT * float(np.std(target)) * np.sqrt(target.size / FOLDS)
@@ -106,10 +107,12 @@ class Selection:
     def error(self, chosen: Mapping[str, Places]) -> float:
         """How far each part is off when the others identify it: the geometric mean, for one part may be an extrapolation."""
         order, free = self._ordered(chosen)
+        at, left = np.ix_([*order, -1], [*order, -1]), np.zeros(len(self._whole[0]))
+        left[-1] = -1.0
         total = 0.0
         for part, others in zip(self._parts, self._others, strict=True):
-            solution = solve(others[:, [*order, -1]], chosen[ELASTIC].size, free, self._samples)
-            total += float(np.log(np.sum(np.square(part[:, order] @ solution - part[:, -1])) + 1e-300))
+            left[order] = solve(others[at], chosen[ELASTIC].size, free, self._samples)
+            total += float(np.log(np.sum(np.square(part @ left)) + 1e-300))
         return float(np.exp(0.5 * total / FOLDS))
 
     def best_of(self, candidates: Places, chosen: Mapping[str, Places]) -> Places:

@@ -78,6 +78,11 @@ class Term:
     """How many laws of the effect were tried."""
 
     @property
+    def law(self) -> tuple[str, str]:
+        """What tells its law from all others."""
+        return self.effect.id, self.form.name
+
+    @property
     def is_an_image(self) -> bool:
         """Whether a shape has run to where another effect begins, whose image the law is there."""
         return self.form.is_at_a_border(self.shape)
@@ -94,6 +99,8 @@ class Hypothesis:
     scale : (float, float)
         Relative errors (s, c) of the simulator's parameters.
     columns : array, shape (n, k)
+    inside : array, shape (m, k)
+        Their components in the simulator's tangent space, by the samples by which it was fitted.
     coefficients : array, shape (k,)
     rss : float
         Whitened sum of squares that is left.
@@ -104,6 +111,7 @@ class Hypothesis:
     terms: tuple[Term, ...]
     scale: Scale
     columns: Floats
+    inside: Floats
     coefficients: Floats
     rss: float
     score: float
@@ -213,7 +221,8 @@ class Evidence:
         self._basis = tangents @ self._to_basis
         factor = self._singular[:, None] * self._right
         split = structure.shape[1]
-        self._gap_in_basis = self._basis.T @ self.gap
+        self.gap_inside = self.inside(self.gap)
+        """The gap's components in the simulator's tangent space, shape (m,)."""
         self.gap_energy = float(self.gap @ self.gap)
         self._modes: dict[Scale, tuple[Floats, Floats, float]] = {}
         self._stacked: dict[tuple[Scale, ...], _Beside] = {}
@@ -316,19 +325,19 @@ class Evidence:
         """The simulators of these scales, stacked."""
         if scales not in self._stacked:
             modes = [np.sqrt(absorbed)[:, None] * rotation.T for absorbed, rotation in map(self.shrink, scales)]
-            gaps = [each @ self._gap_in_basis for each in modes]
+            gaps = [each @ self.gap_inside for each in modes]
             freedom = [self.complexity(scale) - self.plausibility[scale] for scale in scales]
             energy = [self.gap_energy - float(gap @ gap) for gap in gaps]
             self._stacked[scales] = _Beside(np.vstack(modes), np.array(gaps), np.array(energy), np.array(freedom))
         return self._stacked[scales]
 
-    def whitened(self, series: Floats, scale: Scale) -> Floats:
-        """V^(−1/2) applied to ``series``, shape (n,) or (n, k)."""
+    def whitened(self, series: Floats, scale: Scale, inside: Floats | None = None) -> Floats:
+        """V^(−1/2) applied to ``series``, shape (n,) or (n, k), whose components in the tangent space may be known."""
         absorbed, rotation = self.shrink(scale)
         if not np.any(absorbed):
             return series
         root = 1.0 - np.sqrt(1.0 - absorbed)
-        modes = rotation.T @ (self._basis.T @ series)
+        modes = rotation.T @ (self.inside(series) if inside is None else inside)
         return series - self._basis @ (rotation @ (root * modes.T).T)
 
     def absorbed(self, residual: Floats, scale: Scale) -> Floats:
@@ -341,7 +350,7 @@ class Evidence:
     def errors(self) -> Floats:
         """The simulator's errors that best make the gap by themselves, shape (p,): of each parameter, over the largest errors."""
         seen = self._singular / (self._singular**2 + 1.0 / self.thinning)
-        return np.asarray(self._right.T @ (seen * self._gap_in_basis)) / self.sigma
+        return np.asarray(self._right.T @ (seen * self.gap_inside)) / self.sigma
 
     def recalibration(self, hypothesis: Hypothesis) -> Floats:
         """What refitting the simulator beside a hypothesis adds to its output, N·m, on every sample, shape (n,)."""
@@ -362,16 +371,16 @@ class Evidence:
 
         def beside_each(columns: Floats) -> list[Hypothesis]:
             chosen = columns if self._whole else columns[self.rows]
-            products = chosen.T @ chosen, chosen.T @ self.gap, self.inside(chosen)
-            grams, moments, energies = self.reduced(*products, tried)
+            inside = self.inside(chosen)
+            grams, moments, energies = self.reduced(chosen.T @ chosen, chosen.T @ self.gap, inside, tried)
             beta, reduction = boxed_least_squares(grams, moments, lower, upper)
             rss = np.maximum(energies - reduction, 1e-12 * self.gap_energy)
             each = zip(tried, beta, rss.tolist(), self.score(rss, tried, unknowns).tolist(), strict=True)
-            return [Hypothesis(ordered, scale, columns, b, left, score) for scale, b, left, score in each]
+            return [Hypothesis(ordered, scale, columns, inside, b, left, score) for scale, b, left, score in each]
 
         unknowns = count_unknowns(ordered)
         found = beside_each(effect_columns(self.scene, ordered))
-        for _ in range(passes_of(ordered)):
+        for _ in range(passes_of(self.scene, ordered)):
             # The first pass takes the effects as independent, the second lets later ones act on what earlier ones made:
             # beside a refitted simulator, and beside an exact one, where that may be quite another torque.
             kinds = ([h for h in found if is_refitted(h.scale) == refitted] for refitted in (False, True))
@@ -389,24 +398,26 @@ def effect_columns(scene: SimulatorScene, terms: Sequence[Term], guess: Floats |
     ``guess`` are coefficients, shape (k,), from which that torque is made.
     """
     made: list[Floats] = []
-    torque = scene.torque
     start = 0
     for term in sorted(terms, key=lambda term: ORDER[term.effect.acts_on]):
         last, start = start, start + len(term.form.coefficients)
-        sees_others = bool(made) and ORDER[term.effect.acts_on] > 0
-        if guess is not None and (term.form.about or sees_others):
-            seen = scene.with_torque(torque + np.hstack(made) @ guess[:last]) if sees_others else scene
-            if term.form.about:
-                made.append(term.form.about(seen, term.shape, guess[last:start]))
-            else:
-                made.append(term.form.columns(seen, term.shape))
-        else:
+        follows = guess is not None and bool(made) and ORDER[term.effect.acts_on] > 0
+        if guess is None or not (term.form.about or (follows and scene.is_of_torque(term.law))):
             # A search moves one shape at a time: the other terms' columns are there already.
-            key = (term.effect.id, term.form.name, term.shape)
-            made.append(scene.remembered(key, functools.partial(term.form.columns, scene, term.shape)))
+            make = functools.partial(term.form.columns, scene, term.shape)
+            own = scene.columns_of(term.law, term.shape, make)
+            if not (follows and scene.is_of_torque(term.law)):
+                made.append(own)
+                continue
+        assert guess is not None
+        seen = scene.with_torque(scene.torque + np.hstack(made) @ guess[:last]) if follows else scene
+        if term.form.about:
+            made.append(term.form.about(seen, term.shape, guess[last:start]))
+        else:
+            made.append(term.form.columns(seen, term.shape))
     if len(made) == 1:
         return made[0]
-    return np.hstack(made) if made else np.empty((torque.size, 0))
+    return np.hstack(made) if made else np.empty((scene.signals.x.size, 0))
 
 
 def elsewhere(terms: Sequence[Term], coefficients: Floats) -> tuple[list[Term], Floats]:
@@ -420,13 +431,13 @@ def elsewhere(terms: Sequence[Term], coefficients: Floats) -> tuple[list[Term], 
     return lasting, np.concatenate(kept) if kept else coefficients
 
 
-def passes_of(terms: Sequence[Term]) -> int:
+def passes_of(scene: SimulatorScene, terms: Sequence[Term]) -> int:
     """How often coefficients must be known to make the columns: where some of the terms, in their order, act on what those before
     made, or are not linear.
     """
     if any(term.form.about for term in terms):
         return 2
-    return int(any(ORDER[term.effect.acts_on] > 0 for term in terms[1:]))
+    return int(any(ORDER[term.effect.acts_on] > 0 and scene.is_of_torque(term.law) for term in terms[1:]))
 
 
 def count_unknowns(terms: Sequence[Term]) -> int:

@@ -12,8 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
+from ..nonlinear import least
 from .boxed import RIDGE
 from .evidence import Evidence, Hypothesis, Scale, Term, effect_columns, passes_of
 
@@ -49,12 +49,12 @@ def _moved(
     places = _Places(start.terms)
     if not places.slots:
         return start
-    profile = _Profile(by, start, places)
-    found = least_squares(
-        profile.left, places.first, profile.slopes, bounds=places.ends, max_nfev=evaluations, xtol=1e-3, ftol=1e-4,
+    profile = _Profile(by, start, places, by is evidence)
+    found, _ = least(
+        profile.left, profile.slopes, places.first, places.ends, evaluations, ftol=1e-4, xtol=1e-3,
         x_scale=np.maximum(0.2 * places.range, 1e-12),
     )  # fmt: skip
-    better = evidence.fit(places.terms_at(found.x), scales)
+    better = evidence.fit(places.terms_at(found), scales)
     return better if better.score > start.score else start
 
 
@@ -89,6 +89,11 @@ class _Places:
         first = self._encoded(np.array([terms[i].shape[j] for i, j in self.slots]))
         self.first = np.clip(first, self.ends[0] + 1e-9, self.ends[1] - 1e-9)
 
+    def columns_of(self, i: int) -> slice:
+        """Where the columns of the ``i``-th term stand."""
+        start = sum(len(term.form.coefficients) for term in self._terms[:i])
+        return slice(start, start + len(self._terms[i].form.coefficients))
+
     def _encoded(self, values: Floats) -> Floats:
         return np.where(self._by_ratio, np.log(np.where(self._by_ratio, np.abs(values), 1.0)), values)
 
@@ -104,46 +109,59 @@ class _Places:
 class _Profile:
     """What is left as a function of the shapes, over the noise, and its slopes."""
 
-    def __init__(self, evidence: Evidence, start: Hypothesis, places: _Places) -> None:
+    def __init__(self, evidence: Evidence, start: Hypothesis, places: _Places, by_these: bool) -> None:
         self._evidence, self._scale, self._places = evidence, start.scale, places
         self._sigma = evidence.sigma
-        self._at, self._fitted = np.empty(0), start
+        # Where it was fitted by these samples beside this simulator alone, it need not be again.
+        known = by_these and not passes_of(evidence.scene, start.terms)
+        self._at, self._fitted = places.first if known else np.empty(0), start
 
     def left(self, values: Floats) -> Floats:
         """Shape (n,), whitened."""
-        fitted = self._fit(values)
-        return self._whitened(self._evidence.gap - fitted.signal[self._evidence.rows])
+        fitted, evidence = self._fit(values), self._evidence
+        inside = evidence.gap_inside - fitted.inside @ fitted.coefficients
+        return evidence.whitened(evidence.gap - fitted.signal[evidence.rows], self._scale, inside) / self._sigma
 
     def slopes(self, values: Floats) -> Floats:
         """Shape (n, shapes)."""
-        fitted, rows = self._fit(values), self._evidence.rows
-        guess = fitted.coefficients if passes_of(fitted.terms) else None
-        columns = fitted.columns if guess is None else effect_columns(self._evidence.scene, fitted.terms, guess)
-        signal = columns @ fitted.coefficients
-        made = np.empty((np.count_nonzero(rows), values.size))
+        fitted, evidence = self._fit(values), self._evidence
+        scene, rows = evidence.scene, evidence.rows
+        guess = fitted.coefficients if passes_of(scene, fitted.terms) else None
+        columns = fitted.columns if guess is None else effect_columns(scene, fitted.terms, guess)
+        signal = fitted.signal if guess is None else columns @ guess
+        made = np.empty((evidence.size, values.size))
         for k, value in enumerate(values):
             step = STEP * max(abs(value), SHORTEST * self._places.range[k])
             # Towards the farther limit.
             step = step if 2.0 * value < self._places.ends[0][k] + self._places.ends[1][k] else -step
             moved = values.copy()
             moved[k] += step
-            there = effect_columns(self._evidence.scene, self._places.terms_at(moved), guess)
-            made[:, k] = (there @ fitted.coefficients - signal)[rows] / step
+            terms = self._places.terms_at(moved)
+            if guess is None:
+                # The others' columns are the same.
+                i, _ = self._places.slots[k]
+                own = self._places.columns_of(i)
+                change = (effect_columns(scene, terms[i : i + 1]) - columns[:, own]) @ fitted.coefficients[own]
+            else:
+                change = effect_columns(scene, terms, guess) @ fitted.coefficients - signal
+            made[:, k] = change[rows] / step
         lower, upper = (np.concatenate([getattr(t.form, end) for t in fitted.terms]) for end in ("lower", "upper"))
         free = (fitted.coefficients > lower) & (fitted.coefficients < upper)
-        both = self._whitened(np.hstack([made, columns[rows][:, free]]))
-        made, basis = both[:, : values.size], both[:, values.size :]
-        gram = basis.T @ basis
+        basis = columns[rows][:, free]
+        made_inside = evidence.inside(made)
+        basis_inside = fitted.inside[:, free] if guess is None else evidence.inside(basis)
+        taken = evidence.taken(basis_inside, self._scale)[0]
+        gram = basis.T @ basis - taken @ taken.T
+        across = basis.T @ made - taken @ evidence.taken(made_inside, self._scale)[0].T
         # What has no torque here, as a limit beyond all torque, has no ridge of its own size.
         size = np.diag(gram)
         ridge = RIDGE * np.diag(np.where(size > 0.0, size, 1.0))
-        return basis @ np.linalg.solve(gram + ridge, basis.T @ made) - made
+        share = np.linalg.solve(gram + ridge, across)
+        left, inside = basis @ share - made, basis_inside @ share - made_inside
+        return evidence.whitened(left, self._scale, inside) / self._sigma
 
     def _fit(self, values: Floats) -> Hypothesis:
         if not np.array_equal(values, self._at):
             self._fitted = self._evidence.fit(self._places.terms_at(values), (self._scale,))
             self._at = values.copy()
         return self._fitted
-
-    def _whitened(self, series: Floats) -> Floats:
-        return self._evidence.whitened(series, self._scale) / self._sigma
