@@ -16,8 +16,10 @@ from simulators import INTERVAL, JOINTS, Joint, damped_bristles, damper, kinked,
 from hystbench.diagnosis.corrected import CorrectedSimulator
 from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.emulator import generalised
-from hystbench.diagnosis.emulator.emulation import emulate
+from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.emulator.generalised import Generalised, spring_of
+from hystbench.diagnosis.emulator.kinds import KINDS
+from hystbench.diagnosis.emulator.motion import Extent, Motion
 from hystbench.diagnosis.operators.levels import attracted
 from hystbench.diagnosis.operators.memory import hyperbolic
 from hystbench.diagnosis.operators.smooth_loops import pinched, smooth
@@ -185,6 +187,39 @@ def test_loop_that_turns_the_other_way_is_no_damping_though_one_sine_cannot_tell
     wanted = lagging(moved) - y
     # Within the gap there is no speed; damping would vanish there at once.
     assert np.std(found.predict(moved) - found.predict(x) - wanted) < 0.1 * np.std(wanted)
+
+
+@pytest.mark.parametrize("name", [name for name, kind in KINDS.items() if kind.together])
+def test_elements_that_are_summed_as_they_come_are_their_columns_with_weights(name: str) -> None:
+    rng = np.random.default_rng(2)
+    time = np.cumsum(rng.choice([0.005, 0.01, 0.02], 900))
+    x = np.cumsum(rng.standard_normal(900)) * 0.03
+    seen = Motion(time, x, np.gradient(x, time), np.zeros(900), [slice(0, 500), slice(500, 900)])
+    sizes = KINDS[name].sizes(Extent(float(np.max(np.abs(x))), 1.0, 0.01, float(time[-1])))
+    weights = rng.standard_normal(len(sizes)) * (rng.random(len(sizes)) < 0.5)
+    wanted = KINDS[name].columns(seen, sizes) @ weights
+    assert KINDS[name].torque(seen, sizes, weights) == pytest.approx(wanted, abs=1e-9 * np.ptp(wanted))
+
+
+def test_what_is_held_is_all_but_damping_mass_and_friction_by_speed() -> None:
+    time, x = motion(30.0, 0.4, 2.0, 1.0)
+    speed = np.gradient(x, time)
+
+    def joint(x: Floats) -> Floats:
+        return np.asarray(4.0 * x + sliders(x, ((3.0, 0.1), (2.0, 0.3))))
+
+    y = joint(x) + 0.3 * speed + 0.8 * np.tanh(speed / 0.2)
+    recording = Signals(time, x, y, y, [slice(0, x.size)], {})
+    emulator = emulate(recording, None)
+    moved = x - np.clip(x, -0.05, 0.05)
+    wanted = joint(moved)
+    # A model at hand answers for all of its torque at once: what drags is taken off.
+    for known in (emulator, replace(emulator, parameters={"model": "another"})):
+        scene = SimulatorScene(recording, known)
+        assert np.std(scene.held_at(moved) - wanted) < 0.03 * np.std(wanted)
+        assert np.std(scene.torque_at(moved) - wanted) > 0.1 * np.std(wanted)
+    untimed = SimulatorScene(replace(recording, timed=False), emulator)
+    assert untimed.held_at(moved) == pytest.approx(untimed.torque_at(moved))
 
 
 def test_kinks_belong_to_the_spring_and_are_no_preload() -> None:

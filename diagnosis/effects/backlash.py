@@ -92,7 +92,7 @@ def _crossed(scene: Scene, half: float) -> Floats:
     joint = x
     for _ in range(ROUNDS):
         joint, before = np.clip(joint - torque / stiffness, x - half, x + half), torque
-        torque = _beyond(scene, joint + noise)
+        torque = scene.held_at(joint + noise)
         # A step too far: the joint is stiffer here.
         stiffness[torque * before < 0.0] *= 2.0
     return x - np.clip(joint - torque / stiffness, x - half, x + half)
@@ -103,7 +103,7 @@ def _pressed(scene: Scene, half: float, soft: float) -> Floats:
     x, noise, _, stiffness = _begun(scene, half)
     joint, missed = x, np.zeros_like(x)
     for _ in range(ROUNDS):
-        pressure = np.tanh(_beyond(scene, joint + noise) / soft)
+        pressure = np.tanh(scene.held_at(joint + noise) / soft)
         missed, before = joint + half * pressure - x, missed
         stiffness[missed * before < 0.0] *= 2.0
         joint = joint - missed / (1.0 + half * stiffness / soft * (1.0 - pressure**2))
@@ -112,13 +112,13 @@ def _pressed(scene: Scene, half: float, soft: float) -> Floats:
 
 def _begun(scene: Scene, half: float) -> tuple[Floats, Floats, Floats, Floats]:
     """Where Newton's steps begin: the deflection and its noise, the torque behind the clearance and its slope, each (n,)."""
-    x, torque = scene.signals.smooth_x, _beyond(scene, scene.signals.x)
+    x, torque = scene.signals.smooth_x, _held(scene)
     return x, scene.signals.x - x, torque, np.full_like(x, _stiffness(x, torque) or _probed(scene, half))
 
 
-def _beyond(scene: Scene, x: Floats) -> Floats:
-    """Torque of what lies behind the clearance if its deflection were ``x`` (n,), N·m."""
-    return scene.torque_at(x) - scene.drag_at(x)
+def _held(scene: Scene) -> Floats:
+    """Torque of what would lie behind a clearance, N·m, shape (n,)."""
+    return scene.remembered("held", lambda: scene.held_at(scene.signals.x))
 
 
 def _stiffness(x: Floats, torque: Floats) -> float:
@@ -131,7 +131,7 @@ def _stiffness(x: Floats, torque: Floats) -> float:
 def _probed(scene: Scene, half: float) -> float:
     """The same from the torque at either flank."""
     x = scene.signals.x
-    across = np.abs(_beyond(scene, x + half) - _beyond(scene, x - half))
+    across = np.abs(scene.held_at(x + half) - scene.held_at(x - half))
     return max(float(np.max(across)) / (2.0 * half), 1e-300)
 
 
@@ -141,8 +141,8 @@ def _series(scene: Scene, shape: tuple[float, ...]) -> Floats:
 
 def _loosened(scene: Scene, across: Floats) -> Floats:
     """Change of the simulator's output for a position within the clearance, N·m; what drags is felt as before."""
-    x = scene.signals.x
-    return scene.torque_change(x - across) - scene.drag_at(x - across) + scene.drag_at(x)
+    felt = _held(scene)
+    return scene.held_at(scene.signals.x - across) - felt
 
 
 def _soft_series(scene: Scene, shape: tuple[float, ...]) -> Floats:

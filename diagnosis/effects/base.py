@@ -113,8 +113,8 @@ class Scene(Protocol):
         """The torque so far if the input were ``x`` instead, N·m, shape (n,)."""
         ...
 
-    def drag_at(self, x: Floats) -> Floats:
-        """What of the simulator's output follows speed and acceleration alone, for ``x`` instead, N·m, shape (n,)."""
+    def held_at(self, x: Floats) -> Floats:
+        """The same without what follows speed and acceleration alone, N·m, shape (n,)."""
         ...
 
     def remembered(self, key: Hashable, make: Callable[[], Floats]) -> Floats:

@@ -31,9 +31,9 @@ MOVED = 0.04
 """Relative error of where a kink is or a slider yields."""
 
 
-def torque_of(further: Further, motion: Motion, part: str | None = None) -> Floats:
-    """Torque of further elements, or of those that are ``part`` of the simulator, N·m, shape (n,)."""
-    return _total(further, motion, lambda kind: part in (None, kind.part))
+def torque_of(further: Further, motion: Motion, part: str | None = None, dragging: bool = True) -> Floats:
+    """Torque of further elements, N·m, shape (n,): of those that are ``part`` of the simulator, or without those that drag."""
+    return _total(further, motion, lambda kind: part in (None, kind.part) and (dragging or not kind.drags))
 
 
 def drag_among(further: Further, motion: Motion) -> Floats:

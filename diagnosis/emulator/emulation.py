@@ -28,6 +28,7 @@ from .generalised import (
     drag_of,
     motion_beside,
     motion_of,
+    predict_generalised,
     relative_error,
     spring_of,
     strengthened,
@@ -129,12 +130,17 @@ class SimulatorScene:
         """The torque so far if the input were ``x`` (n,), N·m."""
         return self.emulator.predict(x) if self.emulator.refitted else self.torque + self.torque_change(x)
 
-    def drag_at(self, x: Floats) -> Floats:
-        """What of the simulator's output follows speed and acceleration alone, if its input were ``x`` (n,), N·m.
+    def held_at(self, x: Floats) -> Floats:
+        """The torque so far without what follows speed and acceleration alone, if the input were ``x`` (n,), N·m.
 
-        Nothing, where no time was recorded.
+        All of it, where no time was recorded.
         """
-        return drag_of(self.emulator.split, motion_beside(self.signals, x)) if self.signals.timed else np.zeros(x.size)
+        if not self.signals.timed:
+            return self.torque_at(x)
+        emulator, motion = self.emulator, motion_beside(self.signals, x)
+        if emulator.parameters.get("model") != GENERALISED or emulator.refitted:
+            return self.torque_at(x) - drag_of(emulator.split, motion)
+        return self.torque - self._base + predict_generalised(emulator.split, motion, dragging=False)
 
     @property
     def spring(self) -> Floats:

@@ -346,8 +346,8 @@ def _rates(speed: Floats, acceleration: Floats, fast: float) -> Floats:
     return np.column_stack([speed, acceleration, *(np.tanh(speed / (share * fast)) for share in STEEPNESS)])
 
 
-def predict_generalised(parameters: Mapping[str, Any], motion: Motion) -> Floats:
-    """Output of the built-in emulator, N·m, shape (n,), from the virgin state in each run."""
+def predict_generalised(parameters: Mapping[str, Any], motion: Motion, dragging: bool = True) -> Floats:
+    """Output of the built-in emulator, N·m, shape (n,), from the virgin state in each run; or without what :func:`drag_of` is."""
     motion = _as_seen(parameters, motion)
     path, weights = motion.path, np.asarray(parameters["weights"])
     u = _place(motion.x, parameters["reach"])
@@ -361,8 +361,8 @@ def predict_generalised(parameters: Mapping[str, Any], motion: Motion) -> Floats
     thresholds, stops, placed = thresholds[stopping], stops[stopping], np.ascontiguousarray(placed[:, stopping])
     lengths, signs = lengths[bristling], signs[bristling]
     y += np.concatenate([weighed(path[run], u[run], thresholds, stops, placed, lengths, signs) for run in motion.runs])
-    y += torque_of(parameters.get("further", {}), motion)
-    return np.asarray(y + _drag(parameters, motion))
+    y += torque_of(parameters.get("further", {}), motion, dragging=dragging)
+    return np.asarray(y + _drag(parameters, motion) if dragging else y)
 
 
 def drag_of(parameters: Mapping[str, Any], motion: Motion) -> Floats:

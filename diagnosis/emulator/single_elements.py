@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.special import expit
 
 from ..operators.levels import attracted, yielding
-from ..operators.memory import enveloped, hyperbolic, lowpass, plays
+from ..operators.memory import enveloped, hyperbolic, lagged, lowpass, plays
 from .motion import Motion
 
 __all__ = [
@@ -208,13 +208,12 @@ def lagging(motion: Motion, sizes: Floats) -> Floats:
 
 def lagging_together(motion: Motion, sizes: Floats, weights: Floats) -> Floats:
     """Stops with the same time constant lag as one."""
-    played, which = _plays(motion, sizes[:, 0])
-    total = np.zeros(motion.x.size)
-    for constant in np.unique(sizes[:, 1]):
-        shared = np.bincount(which, weights * (sizes[:, 1] == constant), played.shape[1])
-        stop = motion.path * shared.sum() - played @ shared
-        total += _late(motion, stop, constant) - stop
-    return total
+    widths, of_width = np.unique(sizes[:, 0], return_inverse=True)
+    constants, of_constant = np.unique(sizes[:, 1], return_inverse=True)
+    shared = np.zeros((widths.size, constants.size))
+    np.add.at(shared, (of_width, of_constant), weights)
+    every = (lagged(motion.time[run], motion.path[run], widths, shared, constants) for run in motion.runs)
+    return np.concatenate(list(every))
 
 
 def curved(motion: Motion, sizes: Floats) -> Floats:

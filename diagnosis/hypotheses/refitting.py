@@ -120,13 +120,17 @@ def _again(signals: Signals, model: Any, emulator: Emulator, x: Floats, y: Float
 
 
 class _Asking(SimulatorScene):
-    """Notes the deflection at which an effect asks for the simulator's torque."""
+    """Notes the deflection at which an effect last asked for the simulator's torque."""
 
     asked: Floats | None = None
 
     def torque_change(self, x: Floats) -> Floats:
         self.asked = x
         return super().torque_change(x)
+
+    def held_at(self, x: Floats) -> Floats:
+        self.asked = x
+        return super().held_at(x)
 
 
 def _best_on_input(effect: Effect, signals: Signals, model: Any, first: _Refit) -> _Refit | None:

@@ -13,6 +13,7 @@ __all__ = [
     "enveloped",
     "hardening",
     "hyperbolic",
+    "lagged",
     "leaky",
     "lowpass",
     "plays",
@@ -189,6 +190,32 @@ def _lowpass(time, u, tau, out):
 
 
 @njit(cache=True)
+def _lagged(time, x, thresholds, weights, taus, out):
+    slow, p, step = taus.size, np.zeros(thresholds.size), 0.0
+    state, last = np.zeros(slow), np.zeros(slow)
+    decay, before, now = np.ones(slow), np.zeros(slow), np.zeros(slow)
+    for i in range(x.size):
+        dt = time[i] - time[i - 1] if i else 0.0
+        if i and abs(dt - step) > SAME_STEP * step:
+            step = dt
+            for c in range(slow):
+                decay[c] = np.exp(-dt / taus[c])
+                ramp = (1.0 - decay[c]) * taus[c] / dt
+                before[c], now[c] = ramp - decay[c], 1.0 - ramp
+        for j in range(thresholds.size):
+            p[j] = min(max(p[j], x[i] - thresholds[j]), x[i] + thresholds[j])
+        total = 0.0
+        for c in range(slow):
+            stop = 0.0
+            for j in range(thresholds.size):
+                stop += weights[j, c] * (x[i] - p[j])
+            state[c] = decay[c] * state[c] + before[c] * last[c] + now[c] * stop if i else stop
+            last[c] = stop
+            total += state[c] - stop
+        out[i] = total
+
+
+@njit(cache=True)
 def _leaky(time, x, level, tau, out):
     f, step, decay, gain = 0.0, 0.0, 1.0, 1.0
     out[0] = 0.0
@@ -238,6 +265,17 @@ def weighed(
     some = signs != 0.0
     parts = (x, u, thresholds[on], stops[on], placed[:, on], lengths[some], signs[some], out)
     _weighed(*(np.ascontiguousarray(part, dtype=np.float64) for part in parts))
+    return out
+
+
+def lagged(time: Floats, x: Floats, thresholds: Floats, weights: Floats, taus: Floats) -> Floats:
+    """What stops of half widths ``thresholds`` (k,) over ``x`` (n,) change by when they lag behind, shape (n,).
+
+    ``weights`` (k, m) of each behind each of the time constants ``taus`` (m,), s; settled where they begin.
+    """
+    out = np.empty(x.size)
+    parts = (time, x, thresholds, weights, taus, out)
+    _lagged(*(np.ascontiguousarray(part, dtype=np.float64) for part in parts))
     return out
 
 
