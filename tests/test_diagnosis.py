@@ -101,7 +101,9 @@ def test_effect_documents_every_parameter_that_its_forms_fit(name: str) -> None:
     recording = signals(nothing)
     scene = SimulatorScene(recording, emulate(recording, None))
     documented = {parameter.name for parameter in effect.parameters}
-    for form in effect.forms(scene):
+    forms = effect.forms(scene)
+    assert len({form.name for form in forms}) == len(forms)
+    for form in forms:
         assert {c for c in (*form.coefficients, *form.shapes) if not c.startswith("_")} <= documented
         assert len(form.limits) == len(form.shapes)
         for shape in form.grid:

@@ -21,12 +21,12 @@ X = np.sin(1.9 * TIME) * (0.6 + 0.3 * np.sin(0.3 * TIME)) + 0.2 * np.sin(5.2 * T
 STOP = X - plays(X, np.array([0.1]))[:, 0]
 
 
-def as_law(evidence: Evidence, name: str, column: np.ndarray) -> Term:
+def as_law(evidence: Evidence, name: str, column: np.ndarray, law_name: str = "a column") -> Term:
     """An effect whose law is ``column`` (n,) in any size, of either sign."""
     effect = registry.get(name)()
     law = replace(
         effect.forms(evidence.scene)[0], columns=lambda _, __: column[:, None], coefficients=("_size",),
-        shapes=(), lower=(-np.inf,), upper=(np.inf,),
+        shapes=(), lower=(-np.inf,), upper=(np.inf,), name=law_name,
     )  # fmt: skip
     return Term(effect, law, ())
 
@@ -109,7 +109,8 @@ def test_a_second_effect_is_not_named_for_what_errors_of_the_simulator_make_as_w
     terms = [as_law(evidence, "viscous_friction", first), as_law(evidence, "stiffness_asymmetry", second)]
     found = [evidence.fit(terms[:count]) for count in (0, 1, 2)]
     # The second law is off by what is hardly seen.
-    terms[1] = as_law(evidence, "stiffness_asymmetry", second + 0.0018 / size * np.cos(3.0 * TIME))
+    beside = second + 0.0018 / size * np.cos(3.0 * TIME)
+    terms[1] = as_law(evidence, "stiffness_asymmetry", beside, "another column")
     both = evidence.fit(terms, evidence.exact)
     assert both.score > found[1].score
     best = rather_errors(evidence, found, both)

@@ -137,6 +137,7 @@ class Form:
     Attributes
     ----------
     name : str
+        Tells it from the effect's other laws, by which its columns are remembered.
     coefficients : sequence of str
         Names of the linear parameters, one a column.
     lower, upper : sequence of float
