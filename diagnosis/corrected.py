@@ -20,7 +20,7 @@ from .emulator.emulation import GENERALISED, Emulator, SimulatorScene, emulate
 from .emulator.generalised import Generalised, motion_of, predict_generalised, spring_of
 from .emulator.kinds import KINDS
 from .emulator.motion import Motion
-from .hypotheses.evidence import Term, effect_columns, elsewhere
+from .hypotheses.evidence import Term, effect_columns, elsewhere, spans
 from .hypotheses.precision import told
 from .hypotheses.refitting import fitted_again
 from .names import MISCALIBRATION, UNKNOWN
@@ -246,16 +246,14 @@ def corrected_simulator(found: Diagnosis, emulator: Emulator) -> CorrectedSimula
     Effects that follow a measured channel are left out, because a model file sees the deflection alone, and then it is
     not calibrated beside them either; the formula has them.
     """
-    entries, start = [], 0
+    entries = []
     terms, coefficients = elsewhere(_named(found), found.choice.hypothesis.coefficients)
-    for term in terms:
-        width = len(term.form.coefficients)
+    for term, own in zip(terms, spans(terms), strict=True):
         if not _follows_a_channel(found, term):
             entries.append({
                 "effect": term.effect.id, "form": term.form.name, "shape": list(term.shape),
-                "coefficients": coefficients[start : start + width].tolist(),
+                "coefficients": coefficients[own].tolist(),
             })  # fmt: skip
-        start += width
     base = (emulator if len(entries) == len(terms) else found.evidence.scene.emulator).parameters
     signals = found.signals
     made = CorrectedSimulator.from_parameters(

@@ -113,7 +113,7 @@ def _pressed(scene: Scene, half: float, soft: float) -> Floats:
 def _begun(scene: Scene, half: float) -> tuple[Floats, Floats, Floats, Floats]:
     """Where Newton's steps begin: the deflection and its noise, the torque behind the clearance and its slope, each (n,)."""
     x, torque = scene.signals.smooth_x, _held(scene)
-    return x, scene.signals.x - x, torque, np.full_like(x, _stiffness(x, torque) or _probed(scene, half))
+    return x, scene.signals.x - x, torque, np.full_like(x, _stiffness(scene) or _probed(scene, half))
 
 
 def _held(scene: Scene) -> Floats:
@@ -121,11 +121,16 @@ def _held(scene: Scene) -> Floats:
     return scene.remembered("held", lambda: scene.held_at(scene.signals.x))
 
 
-def _stiffness(x: Floats, torque: Floats) -> float:
-    """How steeply the torque passes zero, N·m/rad; 0 where it does not."""
-    way, change = np.abs(np.diff(x)), np.abs(np.diff(torque))
-    passing = (np.abs(torque[1:]) < NEAR * np.std(torque)) & (way > MOVING * np.ptp(x))
-    return float(np.quantile(change[passing] / way[passing], STEEP)) if np.any(passing) else 0.0
+def _stiffness(scene: Scene) -> float:
+    """How steeply that torque passes zero, N·m/rad; 0 where it does not."""
+
+    def made() -> Floats:
+        x, torque = scene.signals.smooth_x, _held(scene)
+        way, change = np.abs(np.diff(x)), np.abs(np.diff(torque))
+        passing = (np.abs(torque[1:]) < NEAR * np.std(torque)) & (way > MOVING * np.ptp(x))
+        return np.quantile(change[passing] / way[passing], [STEEP]) if np.any(passing) else np.zeros(1)
+
+    return float(scene.remembered("held, its stiffness", made)[0])
 
 
 def _probed(scene: Scene, half: float) -> float:

@@ -10,6 +10,7 @@ refitted simulator by one rule, a Bayesian information criterion on the effectiv
 from __future__ import annotations
 
 import functools
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -22,7 +23,7 @@ from ..emulator.emulation import SimulatorScene
 from ..recording.noise import rms
 from .boxed import boxed_least_squares
 
-__all__ = ["Evidence", "Hypothesis", "Term", "elsewhere", "is_refitted", "trusted"]
+__all__ = ["Evidence", "Hypothesis", "Term", "elsewhere", "is_refitted", "spans", "trusted"]
 
 Floats = NDArray[np.float64]
 Scale = tuple[float, float]
@@ -140,26 +141,21 @@ class Hypothesis:
 
     def part(self, name: str) -> Floats:
         """What one effect adds, N·m, shape (n,)."""
-        start = 0
-        for term in self.terms:
-            width = len(term.form.coefficients)
-            if term.effect.id == name:
-                return self.columns[:, start : start + width] @ self.coefficients[start : start + width]
-            start += width
-        raise KeyError(name)
+        _, own = self._of(name)
+        return self.columns[:, own] @ self.coefficients[own]
 
     def parameters(self, name: str) -> dict[str, float]:
         """Fitted parameters of one effect by name."""
-        start = 0
-        for term in self.terms:
-            width = len(term.form.coefficients)
+        term, own = self._of(name)
+        named = dict(zip(term.form.coefficients, self.coefficients[own].tolist(), strict=True))
+        named.update(zip(term.form.shapes, term.shape, strict=True))
+        return {key: float(value) for key, value in named.items() if not key.startswith("_")}
+
+    def _of(self, name: str) -> tuple[Term, slice]:
+        """The term of one effect, and where its columns stand."""
+        for term, own in zip(self.terms, spans(self.terms), strict=True):
             if term.effect.id == name:
-                named = dict(
-                    zip(term.form.coefficients, self.coefficients[start : start + width].tolist(), strict=True)
-                )
-                named.update(zip(term.form.shapes, term.shape, strict=True))
-                return {key: float(value) for key, value in named.items() if not key.startswith("_")}
-            start += width
+                return term, own
         raise KeyError(name)
 
 
@@ -398,21 +394,21 @@ def effect_columns(scene: SimulatorScene, terms: Sequence[Term], guess: Floats |
     ``guess`` are coefficients, shape (k,), from which that torque is made.
     """
     made: list[Floats] = []
-    start = 0
-    for term in sorted(terms, key=lambda term: ORDER[term.effect.acts_on]):
-        last, start = start, start + len(term.form.coefficients)
+    ordered = sorted(terms, key=lambda term: ORDER[term.effect.acts_on])
+    for term, at in zip(ordered, spans(ordered), strict=True):
         follows = guess is not None and bool(made) and ORDER[term.effect.acts_on] > 0
         if guess is None or not (term.form.about or (follows and scene.is_of_torque(term.law))):
             # A search moves one shape at a time: the other terms' columns are there already.
             make = functools.partial(term.form.columns, scene, term.shape)
             own = scene.columns_of(term.law, term.shape, make)
+            # Of a law that was not asked before it is known only now.
             if not (follows and scene.is_of_torque(term.law)):
                 made.append(own)
                 continue
         assert guess is not None
-        seen = scene.with_torque(scene.torque + np.hstack(made) @ guess[:last]) if follows else scene
+        seen = scene.with_torque(scene.torque + np.hstack(made) @ guess[: at.start]) if follows else scene
         if term.form.about:
-            made.append(term.form.about(seen, term.shape, guess[last:start]))
+            made.append(term.form.about(seen, term.shape, guess[at]))
         else:
             made.append(term.form.columns(seen, term.shape))
     if len(made) == 1:
@@ -420,14 +416,19 @@ def effect_columns(scene: SimulatorScene, terms: Sequence[Term], guess: Floats |
     return np.hstack(made) if made else np.empty((scene.signals.x.size, 0))
 
 
+def spans(terms: Sequence[Term]) -> list[slice]:
+    """Where the columns and the coefficients of each term stand among those of all."""
+    ends = np.cumsum([0, *(len(term.form.coefficients) for term in terms)]).tolist()
+    return [slice(start, stop) for start, stop in itertools.pairwise(ends)]
+
+
 def elsewhere(terms: Sequence[Term], coefficients: Floats) -> tuple[list[Term], Floats]:
     """What of terms, and of their ``coefficients`` (k,), holds on other motions."""
-    lasting, kept, start = [], [], 0
-    for term in terms:
+    lasting, kept = [], []
+    for term, own in zip(terms, spans(terms), strict=True):
         form = term.form.elsewhere or term.form
         lasting.append(replace(term, form=form))
-        kept.append(coefficients[start : start + len(form.coefficients)])
-        start += len(term.form.coefficients)
+        kept.append(coefficients[own][: len(form.coefficients)])
     return lasting, np.concatenate(kept) if kept else coefficients
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from .evidence import Evidence, Hypothesis, Term, effect_columns
+from .evidence import Evidence, Hypothesis, Term, effect_columns, spans
 
 __all__ = ["intervals", "told"]
 
@@ -98,16 +98,15 @@ def told(interval: tuple[float, float] | None) -> str:
 
 def _parameters(evidence: Evidence, hypothesis: Hypothesis) -> list[_Fitted]:
     made: list[_Fitted] = []
-    start = 0
-    for k, term in enumerate(hypothesis.terms):
+    for k, (term, own) in enumerate(zip(hypothesis.terms, spans(hypothesis.terms), strict=True)):
         form = term.form
         for j, (name, bounds) in enumerate(
             zip(form.coefficients, zip(form.lower, form.upper, strict=True), strict=True)
         ):
             if bounds[0] < bounds[1]:
-                value, slope = float(hypothesis.coefficients[start + j]), _along(evidence, hypothesis, k, start + j)
+                at = own.start + j
+                value, slope = float(hypothesis.coefficients[at]), _along(evidence, hypothesis, k, at)
                 made.append(_Fitted(term.effect.id, name, value, bounds, False, slope, (k, -1)))
-        start += len(form.coefficients)
         shapes = zip(form.shapes, term.shape, form.limits, form.by_ratio, strict=True)
         for j, (name, value, bounds, by_ratio) in enumerate(shapes):
             step = STEP * (abs(value) if by_ratio else bounds[1] - bounds[0])

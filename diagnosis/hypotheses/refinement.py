@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..nonlinear import least
 from .boxed import RIDGE
-from .evidence import Evidence, Hypothesis, Scale, Term, effect_columns, passes_of
+from .evidence import Evidence, Hypothesis, Scale, Term, effect_columns, passes_of, spans
 
 __all__ = ["polish", "refine", "refine_anyhow"]
 
@@ -89,11 +89,6 @@ class _Places:
         first = self._encoded(np.array([terms[i].shape[j] for i, j in self.slots]))
         self.first = np.clip(first, self.ends[0] + 1e-9, self.ends[1] - 1e-9)
 
-    def columns_of(self, i: int) -> slice:
-        """Where the columns of the ``i``-th term stand."""
-        start = sum(len(term.form.coefficients) for term in self._terms[:i])
-        return slice(start, start + len(self._terms[i].form.coefficients))
-
     def _encoded(self, values: Floats) -> Floats:
         return np.where(self._by_ratio, np.log(np.where(self._by_ratio, np.abs(values), 1.0)), values)
 
@@ -128,23 +123,7 @@ class _Profile:
         scene, rows = evidence.scene, evidence.rows
         guess = fitted.coefficients if passes_of(scene, fitted.terms) else None
         columns = fitted.columns if guess is None else effect_columns(scene, fitted.terms, guess)
-        signal = fitted.signal if guess is None else columns @ guess
-        made = np.empty((evidence.size, values.size))
-        for k, value in enumerate(values):
-            step = STEP * max(abs(value), SHORTEST * self._places.range[k])
-            # Towards the farther limit.
-            step = step if 2.0 * value < self._places.ends[0][k] + self._places.ends[1][k] else -step
-            moved = values.copy()
-            moved[k] += step
-            terms = self._places.terms_at(moved)
-            if guess is None:
-                # The others' columns are the same.
-                i, _ = self._places.slots[k]
-                own = self._places.columns_of(i)
-                change = (effect_columns(scene, terms[i : i + 1]) - columns[:, own]) @ fitted.coefficients[own]
-            else:
-                change = effect_columns(scene, terms, guess) @ fitted.coefficients - signal
-            made[:, k] = change[rows] / step
+        made = self._changes(values, fitted.coefficients, columns, guess)[rows]
         lower, upper = (np.concatenate([getattr(t.form, end) for t in fitted.terms]) for end in ("lower", "upper"))
         free = (fitted.coefficients > lower) & (fitted.coefficients < upper)
         basis = columns[rows][:, free]
@@ -159,6 +138,26 @@ class _Profile:
         share = np.linalg.solve(gram + ridge, across)
         left, inside = basis @ share - made, basis_inside @ share - made_inside
         return evidence.whitened(left, self._scale, inside) / self._sigma
+
+    def _changes(self, values: Floats, coefficients: Floats, columns: Floats, guess: Floats | None) -> Floats:
+        """Slopes of what the effects add by each shape, their ``coefficients`` held, shape (n, shapes)."""
+        scene, places = self._evidence.scene, self._places
+        signal, made = columns @ coefficients, np.empty((len(columns), values.size))
+        for k, (value, (i, _)) in enumerate(zip(values, places.slots, strict=True)):
+            step = STEP * max(abs(value), SHORTEST * places.range[k])
+            # Towards the farther limit.
+            step = step if 2.0 * value < places.ends[0][k] + places.ends[1][k] else -step
+            moved = values.copy()
+            moved[k] += step
+            terms = places.terms_at(moved)
+            if guess is None:
+                # The others' columns are the same.
+                own = spans(terms)[i]
+                change = (effect_columns(scene, terms[i : i + 1]) - columns[:, own]) @ coefficients[own]
+            else:
+                change = effect_columns(scene, terms, guess) @ coefficients - signal
+            made[:, k] = change / step
+        return made
 
     def _fit(self, values: Floats) -> Hypothesis:
         if not np.array_equal(values, self._at):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..effects.base import Effect, Form
 from .adequacy import left_by
 from .boxed import boxed_least_squares
-from .evidence import Evidence, Hypothesis, Scale, Term, count_unknowns, is_refitted
+from .evidence import Evidence, Hypothesis, Scale, Term, count_unknowns, is_refitted, spans
 from .refinement import refine, refine_anyhow
 
 __all__ = ["NOTHING", "Library", "search"]
@@ -390,10 +390,9 @@ def _with_shapes_of_larger(
 
 def _successors(evidence: Evidence, fitted: Hypothesis, scales: Sequence[Scale] = ()) -> list[Hypothesis]:
     """The same effects with one form replaced by those that start where it ended, refined beside simulators of ``scales``."""
-    made, start = [], 0
-    for k, term in enumerate(fitted.terms):
-        coefficients = fitted.coefficients[start : start + len(term.form.coefficients)]
-        start += len(term.form.coefficients)
+    made = []
+    for k, (term, own) in enumerate(zip(fitted.terms, spans(fitted.terms), strict=True)):
+        coefficients = fitted.coefficients[own]
         for form in _forms(term.effect, evidence):
             if term.form.name in form.refines:
                 shape = form.start(term.shape, coefficients) if form.start else term.shape

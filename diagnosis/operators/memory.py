@@ -174,6 +174,14 @@ def _dashed(time, x, length, exponent, share, after, beside, stiffness, out):
 
 
 @njit(cache=True)
+def _follows(dt, tau):
+    # Shares of the state, of the input before and of the input now: exact for one that is linear between samples.
+    decay = np.exp(-dt / tau)
+    ramp = (1.0 - decay) * tau / dt
+    return decay, ramp - decay, 1.0 - ramp
+
+
+@njit(cache=True)
 def _lowpass(time, u, tau, out):
     state, step = u[0], 0.0
     decay, before, now = 1.0, 0.0, 0.0
@@ -181,10 +189,8 @@ def _lowpass(time, u, tau, out):
     for i in range(1, u.size):
         dt = time[i] - time[i - 1]
         if abs(dt - step) > SAME_STEP * step:
-            # Exact for an input that is linear between samples.
-            step, decay = dt, np.exp(-dt / tau)
-            ramp = (1.0 - decay) * tau / dt
-            before, now = ramp - decay, 1.0 - ramp
+            step = dt
+            decay, before, now = _follows(dt, tau)
         state = decay * state + before * u[i - 1] + now * u[i]
         out[i] = state
 
@@ -199,9 +205,7 @@ def _lagged(time, x, thresholds, weights, taus, out):
         if i and abs(dt - step) > SAME_STEP * step:
             step = dt
             for c in range(slow):
-                decay[c] = np.exp(-dt / taus[c])
-                ramp = (1.0 - decay[c]) * taus[c] / dt
-                before[c], now[c] = ramp - decay[c], 1.0 - ramp
+                decay[c], before[c], now[c] = _follows(dt, taus[c])
         for j in range(thresholds.size):
             p[j] = min(max(p[j], x[i] - thresholds[j]), x[i] + thresholds[j])
         total = 0.0
