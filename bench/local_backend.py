@@ -14,7 +14,7 @@ from typing import Any
 
 from ..errors import InputError
 from .cells import Errand, fallback_cell, run_cell
-from .results import read_cells
+from .results import drop_unfinished, read_cells
 from .threads import LIBRARIES
 
 __all__ = ["compute_here", "run_guarded", "worker_pool"]
@@ -101,6 +101,8 @@ def compute_here(specs: Sequence[Errand], folder: Path, jobs: int) -> Iterable[d
         finally:
             # Also reached when the caller stops early (Ctrl-C): nothing may go on computing.
             _stop(pool, kill=bool(pending))
+            # A disk that is full should not be made fuller by what the killed ones had begun.
+            drop_unfinished(folder)
 
 
 def _batches(specs: Sequence[Errand], jobs: int) -> list[Sequence[Errand]]:

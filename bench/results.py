@@ -22,6 +22,7 @@ __all__ = [
     "METRIC_COLUMNS",
     "TASKS",
     "TIME_COLUMNS",
+    "drop_unfinished",
     "read_cells",
     "read_document",
     "read_results",
@@ -79,6 +80,12 @@ def read_cells(folder: Path) -> dict[str, dict[str, Any]]:
         if fits(cell, CELL) and cell.get("key") == path.stem:
             cells[path.stem] = cell
     return cells
+
+
+def drop_unfinished(folder: Path) -> None:
+    """Remove the marks and half-written files of processes that were killed; none may be at work there any more."""
+    for left in folder.glob(".*"):
+        left.unlink(missing_ok=True)
 
 
 def table_of(cells: Iterable[Mapping[str, Any]]) -> pd.DataFrame:

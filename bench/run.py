@@ -25,7 +25,7 @@ from .diagnoses import DiagnosisSpec, best_models, diagnosis_specs, write_diagno
 from .local_backend import compute_here
 from .provenance import describe
 from .references import reference_scores
-from .results import plain, read_cells, read_document, write_results
+from .results import drop_unfinished, plain, read_cells, read_document, write_results
 
 __all__ = ["Plan", "part_of", "plan_run", "run"]
 
@@ -265,9 +265,7 @@ class _Work(Generic[E]):
 
     def __init__(self, specs: Sequence[E], folder: Path, only: str | None) -> None:
         self.folder = folder
-        # Marks and half-written files of a run that was killed.
-        for left in folder.glob(".*"):
-            left.unlink(missing_ok=True)
+        drop_unfinished(folder)
         self.specs = {spec.key: spec for spec in specs}
         self.known = read_cells(folder)
         self.done = {

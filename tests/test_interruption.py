@@ -93,6 +93,7 @@ def test_ctrl_c_ends_every_process_and_leaves_what_is_finished(whole: pd.DataFra
     while has_processes(process.pid) and time.monotonic() < deadline:
         time.sleep(0.05)
     assert not has_processes(process.pid)
+    assert not list(out.glob("cells/.*"))
     is_finished_by_the_same_command(out, whole)
 
 
@@ -113,6 +114,7 @@ def test_a_full_disk_is_told_in_one_line_and_blamed_on_no_model(whole: pd.DataFr
     assert "File too large" in err
     assert "free space" in err
     assert not list(out.glob("cells/*.npz"))
+    assert not list(out.glob("cells/.*"))
     is_finished_by_the_same_command(out, whole)
 
 
