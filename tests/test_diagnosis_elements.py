@@ -194,7 +194,7 @@ def test_elements_that_are_summed_as_they_come_are_their_columns_with_weights(na
     rng = np.random.default_rng(2)
     time = np.cumsum(rng.choice([0.005, 0.01, 0.02], 900))
     x = np.cumsum(rng.standard_normal(900)) * 0.03
-    seen = Motion(time, x, np.gradient(x, time), np.zeros(900), [slice(0, 500), slice(500, 900)])
+    seen = Motion(time, x, [slice(0, 500), slice(500, 900)], lambda: (np.gradient(x, time), np.zeros(900)))
     sizes = KINDS[name].sizes(Extent(float(np.max(np.abs(x))), 1.0, 0.01, float(time[-1])))
     weights = rng.standard_normal(len(sizes)) * (rng.random(len(sizes)) < 0.5)
     wanted = KINDS[name].columns(seen, sizes) @ weights

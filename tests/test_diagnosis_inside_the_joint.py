@@ -285,6 +285,14 @@ def test_one_factor_is_a_gain_and_several_errors_are_a_miscalibration() -> None:
     assert diagnosed(several, exclude=("torque_gain",)).verdict == ["miscalibration"]
 
 
+def test_one_factor_beside_an_effect_is_a_gain_and_several_errors_are_a_miscalibration() -> None:
+    hard = -25.0 * np.maximum(-X - 0.85 * np.max(-X), 0.0)
+    assert sorted(diagnosed(1.05 * joint(X) + hard).verdict) == ["end_stop", "torque_gain"]
+    several = 1.05 * 4.0 * X + 0.96 * 0.6 * X**3 + friction_that_is_off()
+    soft = 12.0 * np.maximum(X - 0.9 * np.max(X), 0.0)
+    assert diagnosed(several + soft).verdict == ["end_stop", "miscalibration"]
+
+
 def test_one_factor_without_a_gain_in_the_registry_is_an_effect_that_is_not_known() -> None:
     found = diagnosed(1.05 * joint(X), exclude=("torque_gain",))
     assert found.verdict == ["unknown"]
@@ -295,7 +303,7 @@ def test_one_factor_without_a_gain_in_the_registry_is_an_effect_that_is_not_know
 def test_one_of_two_effects_that_do_the_same_beside_errors_is_ambiguous_and_not_unknown() -> None:
     # The spring is linear: a shift of its deflection is one of its torque, and neither is likely alone.
     offset = 0.2 * (1.0 - 0.15 * np.exp(-TIME / 0.4))
-    found = diagnose(signals(1.04 * 4.0 * X + 1.03 * friction_that_is_off() + offset, 7, 4.0 * X + friction(X)))
+    found = diagnose(signals(0.96 * 4.0 * X + 1.03 * friction_that_is_off() + offset, 7, 4.0 * X + friction(X)))
     assert found.verdict[0] in {"torque_offset", "deflection_offset"}
     assert found.verdict[1:] == ["miscalibration"]
     assert found.ambiguous == [["deflection_offset", "torque_offset"]]

@@ -13,6 +13,7 @@ from scipy.optimize import lsq_linear
 from hystbench.diagnosis import registry
 from hystbench.diagnosis.attribution import locate
 from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
+from hystbench.diagnosis.emulator.selection import Selection
 from hystbench.diagnosis.excitation import Limits, candidate_motions
 from hystbench.diagnosis.hypotheses.boxed import boxed_least_squares
 from hystbench.diagnosis.hypotheses.evidence import Evidence, Term, effect_columns
@@ -36,6 +37,43 @@ def test_boxed_least_squares_is_the_bounded_minimum(seed: int, k: int) -> None:
     rss = target @ target - reduction[0]
     assert rss == pytest.approx(np.sum((target - columns @ beta[0]) ** 2), rel=1e-6)
     assert rss <= 2.0 * reference.cost * (1.0 + 2e-3)
+
+
+@settings(max_examples=40, deadline=None)
+@given(seed=st.integers(0, 10_000), k=st.integers(2, 8))
+def test_boxed_least_squares_of_many_free_unknowns_is_that_of_numpy(seed: int, k: int) -> None:
+    rng = np.random.default_rng(seed)
+    columns = rng.standard_normal((3, 40, k)) * 10.0 ** rng.uniform(-3.0, 3.0, k)
+    target = rng.standard_normal((3, 40))
+    free = np.full(k, np.inf)
+    grams, moments = columns.transpose(0, 2, 1) @ columns, np.einsum("mnk,mn->mk", columns, target)
+    beta, reduction = boxed_least_squares(grams, moments, -free, free)
+    for rows, wanted, found, less in zip(columns, target, beta, reduction, strict=True):
+        reference = np.linalg.lstsq(rows, wanted, rcond=None)[0]
+        assert found == pytest.approx(reference, rel=1e-5, abs=1e-6 * np.max(np.abs(reference)))
+        assert less == pytest.approx(wanted @ wanted - np.sum((wanted - rows @ reference) ** 2), rel=1e-6)
+
+
+def test_elements_are_chosen_by_what_parts_of_a_recording_say_of_the_others() -> None:
+    """The error by products is that by rows: each part predicted by weights that the others make best."""
+    rng = np.random.default_rng(4)
+    x = np.cumsum(rng.standard_normal(2000))
+    x = 0.5 * x / np.max(np.abs(x))
+    kinks = np.maximum(x[:, None] - np.linspace(-0.4, 0.4, 9), 0.0)
+    elastic = np.column_stack([np.ones(x.size), x])
+    target = 1.0 + 3.0 * x + 5.0 * kinks[:, 6] + 0.05 * rng.standard_normal(x.size)
+    selection = Selection({"elastic": elastic, "kinks": kinks}, target, ())
+    base = {"elastic": selection.places["elastic"]}
+    fold = (np.arange(x.size) * 20 // x.size) % 4
+    errors = []
+    for k in range(4):
+        weights = np.linalg.lstsq(elastic[fold != k], target[fold != k], rcond=None)[0]
+        errors.append(np.sum((target - elastic @ weights)[fold == k] ** 2))
+    assert selection.error(base) == pytest.approx(np.exp(0.5 * np.mean(np.log(errors))), rel=1e-3)
+    at = selection.places["kinks"]
+    assert selection.best_of(at, base) == [at[6]]
+    grown = selection.grow(base, ["kinks"], ["kinks"])
+    assert grown["kinks"].tolist() == [at[6]]
 
 
 def test_equal_bounds_fix_a_coefficient() -> None:

@@ -15,6 +15,8 @@ __all__ = ["EncoderEccentricity"]
 SIZES = ("error_sin", "error_cos", "error_sin_2", "error_cos_2")
 MOSTLY_OFFSET = 5.0
 """Mean of the error over its deviation, from which it is no eccentricity."""
+SMALL = 1e-3
+"""Error over the reach at which the answer of the simulator is linear in it."""
 ZEROED, SETTLED = "zero at home", "friction settled at home"
 """What is zero at home: the encoder's error, or only the friction, which has settled there."""
 
@@ -32,16 +34,32 @@ def _error(sizes: Sequence[float], angle: Floats) -> tuple[Floats, Floats]:
     return error, steepness
 
 
+def _waves(scene: Scene, angle: float) -> Floats:
+    """What sine and cosine of so many times the deflection in its reading add, over their size, N·m/rad, shape (n, 2)."""
+
+    def made() -> Floats:
+        x, small = scene.signals.x, SMALL * scene.signals.reach
+        waves = np.sin(angle * x), np.cos(angle * x)
+        return np.column_stack([scene.torque_change(x + small * wave) / small for wave in waves])
+
+    # The laws differ in what is zero at home, and ask for the same waves.
+    return scene.remembered(("waves", angle), made)
+
+
+def _shift(scene: Scene, home: str) -> Floats | float:
+    """What an offset of the reading adds that makes up for the cosine at home, over its size, N·m/rad, shape (n,)."""
+    if not home:
+        return 0.0
+    x, small = scene.signals.x, SMALL * scene.signals.reach
+    shift = scene.remembered("shift", lambda: scene.torque_change(x - small) / small)
+    return shift + scene.spring_change(x + small) / small if home == SETTLED else shift
+
+
 def _columns(harmonics: int, home: str = "") -> Columns:
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        x = scene.signals.x
-        small = 1e-3 * scene.signals.reach
-        made, sprung = [], scene.spring_change(x + small) / small if home == SETTLED else 0.0
-        for k in range(1, harmonics + 1):
-            angle = k * shape[0] * x
-            made.append(scene.torque_change(x + small * np.sin(angle)) / small)
-            made.append(scene.torque_change(x + small * (np.cos(angle) - float(home != ""))) / small + sprung)
-        return np.column_stack(made)
+        made = np.hstack([_waves(scene, k * shape[0]) for k in range(1, harmonics + 1)])
+        made[:, 1::2] += np.reshape(_shift(scene, home), (-1, 1))
+        return made
 
     return columns
 

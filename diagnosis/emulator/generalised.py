@@ -236,7 +236,9 @@ class Generalised:
         """Output over one new motion, sampled as the recordings are."""
         time = self.signals.interval * np.arange(x.size, dtype=np.float64)
         _, speed, acceleration = differentiate(time, x)
-        return predict_generalised(self.parameters(), Motion(time, x, speed, acceleration, [slice(0, x.size)]))
+        return predict_generalised(
+            self.parameters(), Motion(time, x, [slice(0, x.size)], lambda: (speed, acceleration))
+        )
 
     def tangent(self) -> tuple[Floats, Floats]:
         """Columns (n, m) of structure and bulk, each the change for a relative error of one of some parameter."""
@@ -291,7 +293,7 @@ def relative_error(predicted: Floats, wanted: Floats) -> float:
 
 def motion_of(signals: Signals) -> Motion:
     """The recorded input as the emulator's elements see it."""
-    return Motion(signals.time, signals.x, signals.speed, signals.acceleration, signals.runs)
+    return Motion(signals.time, signals.x, signals.runs, lambda: (signals.speed, signals.acceleration))
 
 
 def motion_beside(signals: Signals, x: Floats) -> Motion:
@@ -299,10 +301,14 @@ def motion_beside(signals: Signals, x: Floats) -> Motion:
     change = x - signals.x
     if not np.any(change):
         return motion_of(signals)
-    # The change is far smoother than the measured input, so it may be differentiated as it is.
-    added = signals.slope(change)
-    speed, acceleration = signals.speed + added, signals.acceleration + signals.slope(added)
-    return Motion(signals.time, x, speed, acceleration, signals.runs)
+
+    @functools.cache
+    def derivatives() -> tuple[Floats, Floats]:
+        # The change is far smoother than the measured input, so it may be differentiated as it is.
+        added = signals.slope(change)
+        return signals.speed + added, signals.acceleration + signals.slope(added)
+
+    return Motion(signals.time, x, signals.runs, derivatives)
 
 
 def _thresholds(reach: float, count: int) -> Floats:
@@ -387,7 +393,7 @@ def spring_of(parameters: Mapping[str, Any], x: Floats) -> Floats:
     """The elastic part of the built-in emulator's output, N·m, shape (n,): what it has at rest is a preload."""
     elastic = np.asarray(parameters["elastic"])
     curve = np.polynomial.legendre.legval(_place(x, parameters["reach"]), elastic)
-    kinks = torque_of(parameters.get("further", {}), Motion(x, x, x, x, [slice(0, x.size)]), ELASTIC)
+    kinks = torque_of(parameters.get("further", {}), Motion(x, x, [slice(0, x.size)], lambda: (x, x)), ELASTIC)
     return np.asarray(curve + kinks)
 
 

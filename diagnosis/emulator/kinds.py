@@ -132,7 +132,9 @@ def _by_row(column: Callable[..., Floats]) -> Callable[[Motion, Floats], Floats]
     """Columns made one by one, each from its sizes."""
 
     def columns(motion: Motion, sizes: Floats) -> Floats:
-        return np.column_stack([column(motion, *row) for row in sizes])
+        made = [column(motion, *row) for row in sizes]
+        # Mostly one is asked for at a time.
+        return made[0][:, None] if len(made) == 1 else np.column_stack(made)
 
     return columns
 

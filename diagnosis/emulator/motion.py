@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
@@ -32,15 +33,23 @@ deflection."""
 
 @dataclass(frozen=True)
 class Motion:
-    """An input: time, deflection and its derivatives, shapes (n,), in runs in each of which memory starts anew."""
+    """An input: time and deflection, shapes (n,), in runs in each of which memory starts anew, and its derivatives."""
 
     time: Floats
     x: Floats
-    speed: Floats
-    acceleration: Floats
     runs: Sequence[slice]
+    derivatives: Callable[[], tuple[Floats, Floats]]
+    """Gives speed and acceleration, shapes (n,): many simulators never ask for them."""
     course: Floats | None = None
     """The deflection as the simulator's memory knows it, where it differs."""
+
+    @property
+    def speed(self) -> Floats:
+        return self.derivatives()[0]
+
+    @property
+    def acceleration(self) -> Floats:
+        return self.derivatives()[1]
 
     @property
     def path(self) -> Floats:
@@ -52,9 +61,12 @@ class Motion:
         edges = [np.searchsorted(samples, (run.start, run.stop)) for run in self.runs]
         runs = [slice(int(a), int(b)) for a, b in edges]
         course = None if self.course is None else self.course[samples]
-        return Motion(
-            self.time[samples], self.x[samples], self.speed[samples], self.acceleration[samples], runs, course
-        )
+
+        @functools.cache
+        def derivatives() -> tuple[Floats, Floats]:
+            return self.speed[samples], self.acceleration[samples]
+
+        return Motion(self.time[samples], self.x[samples], runs, derivatives, course)
 
     def differenced(self, derivatives: str) -> Motion:
         """The motion with its derivatives as a simulator takes them, one of ``DIFFERENCES``; of any other name with these."""
@@ -64,7 +76,7 @@ class Motion:
         for run in self.runs:
             for series, of in ((speed, self.x), (acceleration, speed)):
                 series[run] = DIFFERENCES[derivatives](of[run], self.time[run])
-        seen = replace(self, speed=speed, acceleration=acceleration)
+        seen = replace(self, derivatives=lambda: (speed, acceleration))
         return seen._summed_up() if derivatives == SUMMED else seen
 
     def _summed_up(self) -> Motion:
@@ -84,10 +96,15 @@ class Motion:
         It is asked for the path and ``others`` (n,) along it.
         """
         answers = []
-        for run in self.runs:
-            given = [np.concatenate([[0.0], self.path[run]])] + [np.concatenate([o[run][:1], o[run]]) for o in others]
-            answers.append(answer(*given, **sizes)[1:])
+        for run, way in zip(self.runs, self._ways, strict=True):
+            along = [np.concatenate([other[run][:1], other[run]]) for other in others]
+            answers.append(answer(way, *along, **sizes)[1:])
         return np.concatenate(answers)
+
+    @functools.cached_property
+    def _ways(self) -> list[Floats]:
+        """The path of each run from zero on."""
+        return [np.concatenate([[0.0], self.path[run]]) for run in self.runs]
 
 
 @dataclass(frozen=True)

@@ -60,11 +60,13 @@ def placed(
     others = beside[rows] / np.maximum(np.std(beside[rows], axis=0), 1e-300)
     ridge = np.sqrt(RIDGE * len(others)) * np.eye(others.shape[1])
     basis = np.linalg.qr(np.vstack([others, ridge]))[0]
+    seen = np.ascontiguousarray(basis[: len(others)].T)
 
     def beyond(columns: Floats) -> Floats:
         """What of some columns (rows, any) the others cannot make."""
-        padded = np.vstack([columns, np.zeros((others.shape[1], columns.shape[1]))])
-        return np.asarray(padded - basis @ (basis.T @ padded))
+        left = basis @ (seen @ -columns)
+        left[: len(columns)] += columns
+        return np.asarray(left)
 
     goal = beyond(target[rows, None])[:, 0] / (max(float(np.std(target)), 1e-300) * np.sqrt(len(others)))
 

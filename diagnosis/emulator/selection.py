@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import nnls
 
-from ...models.least_squares import blocks, reduced
 from .kinds import ELASTIC
 
 __all__ = ["CLEARLY", "EXACT", "WORTHWHILE", "Selection", "places_of", "solve", "spread"]
@@ -27,6 +26,8 @@ EXACT = 5e-4
 """Error, as a share of the target, below which no more elements are looked for."""
 CLEARLY = 0.7
 """What a richer kind of emulator must leave at most of the error that a simpler one leaves."""
+DIGITS = 1e-13
+"""Share of the target's energy that products do not tell from nothing."""
 WORTHWHILE = 0.85
 """What must be left of the error at most for an element to be taken in."""
 
@@ -36,17 +37,26 @@ def spread(samples: int, enough: int = ENOUGH) -> slice:
     return slice(None, None, max(samples // enough, 1))
 
 
-def triangle(columns: Floats, target: Floats) -> Floats:
-    """R of the columns (n, k) and the target (n,), shape (at most k + 1, k + 1)."""
-    return reduced(np.column_stack([columns[part], target[part]]) for part in blocks(target.size))
-
-
 def solve(products: Floats, elastic: int, free: int, samples: int) -> Floats:
     """Least squares with so many free columns first, of them the elastic ones at the very first, then non-negative ones.
 
     ``products`` (k + 1, k + 1) are those of the columns and the target with each other, over so many samples. Returns
     shape (k,).
     """
+    gram, wanted, scale = _ridged(products, elastic, free, samples)
+    matrix = np.asarray(cholesky(gram, overwrite_a=True, check_finite=False))
+    wanted = solve_triangular(matrix, wanted, trans=1, check_finite=False)
+    # The free unknowns come first in the triangle: below their rows only the bounded ones are left.
+    positive = wanted[free:]
+    # Of no unknowns at all nnls frees its memory twice (scipy 1.17).
+    if positive.size:
+        positive = nnls(matrix[free:, free:], positive, maxiter=50 * scale.size)[0]
+    rest = solve_triangular(matrix[:free, :free], wanted[:free] - matrix[:free, free:] @ positive, check_finite=False)
+    return np.concatenate([rest, positive]) / scale
+
+
+def _ridged(products: Floats, elastic: int, free: int, samples: int) -> tuple[Floats, Floats, Floats]:
+    """Products of the columns (k, k) and their products with the target (k,), of columns made alike by a ``scale`` (k,)."""
     scale = np.sqrt(np.diag(products)[:-1] / samples)
     scale[scale == 0.0] = 1.0
     # A small ridge keeps nearly equal columns from cancelling each other with huge weights; it is larger on what is not
@@ -57,12 +67,7 @@ def solve(products: Floats, elastic: int, free: int, samples: int) -> Floats:
     strength[:elastic] = SPRING
     gram = products[:-1, :-1] / np.outer(scale, scale)
     gram[np.diag_indices(scale.size)] += strength * samples
-    matrix = np.asarray(cholesky(gram, overwrite_a=True, check_finite=False))
-    wanted = solve_triangular(matrix, products[:-1, -1] / scale, trans=1, check_finite=False)
-    # The free unknowns come first in the triangle: below their rows only the bounded ones are left.
-    positive = nnls(matrix[free:, free:], wanted[free:], maxiter=50 * scale.size)[0]
-    rest = solve_triangular(matrix[:free, :free], wanted[:free] - matrix[:free, free:] @ positive, check_finite=False)
-    return np.concatenate([rest, positive]) / scale
+    return gram, products[:-1, -1] / scale, scale
 
 
 def places_of(elements: Mapping[str, Floats]) -> dict[str, Places]:
@@ -86,13 +91,12 @@ class Selection:
 
     def __init__(self, elements: Mapping[str, Floats], target: Floats, bounded: Sequence[str]) -> None:
         fold = (np.arange(target.size) * BLOCKS // target.size) % FOLDS
-        columns = np.hstack(list(elements.values()))
+        columns = np.column_stack([*elements.values(), target])
         self._samples = target.size
-        self._parts = [triangle(columns[fold == k], target[fold == k]) for k in range(FOLDS)]
-        others = ([part for j, part in enumerate(self._parts) if j != k] for k in range(FOLDS))
-        self._others = [rows.T @ rows for rows in map(np.vstack, others)]
-        """Products of the columns and the target, over all parts but one."""
-        self._whole = reduced(self._parts)
+        self._parts = [rows.T @ rows for rows in (columns[fold == k] for k in range(FOLDS))]
+        """Products of the columns and the target over each part."""
+        self._others = [sum(self._parts[:k] + self._parts[k + 1 :]) for k in range(FOLDS)]
+        self._whole = sum(self._parts)
         self._bounded = frozenset(bounded)
         self._exact = EXACT * float(np.std(target)) * np.sqrt(target.size / FOLDS)
         self.places = places_of(elements)
@@ -107,24 +111,25 @@ class Selection:
     def error(self, chosen: Mapping[str, Places]) -> float:
         """How far each part is off when the others identify it: the geometric mean, for one part may be an extrapolation."""
         order, free = self._ordered(chosen)
-        at, left = np.ix_([*order, -1], [*order, -1]), np.zeros(len(self._whole[0]))
-        left[-1] = -1.0
+        at = np.ix_([*order, -1], [*order, -1])
         total = 0.0
         for part, others in zip(self._parts, self._others, strict=True):
-            left[order] = solve(others[at], chosen[ELASTIC].size, free, self._samples)
-            total += float(np.log(np.sum(np.square(part @ left)) + 1e-300))
+            left = np.append(solve(others[at], chosen[ELASTIC].size, free, self._samples), -1.0)
+            # Of what is less the products have no digits.
+            total += float(np.log(max(left @ part[at] @ left, DIGITS * part[-1, -1]) + 1e-300))
         return float(np.exp(0.5 * total / FOLDS))
 
     def best_of(self, candidates: Places, chosen: Mapping[str, Places]) -> Places:
         """The one of ``candidates`` that takes most of what the chosen elements leave, shape (1,)."""
-        order, _ = self._ordered(chosen)
-        rows = self._whole
-        basis = np.linalg.qr(rows[:, order])[0]
-        left = rows[:, [*candidates, -1]]
-        left = left - basis @ (basis.T @ left)
-        size, own = np.sum(np.square(left[:, :-1]), axis=0), np.sum(np.square(rows[:, candidates]), axis=0)
-        taken = np.where(size > 1e-9 * own, (left[:, :-1].T @ left[:, -1]) ** 2 / np.maximum(size, 1e-300), 0.0)
-        return candidates[[int(np.argmax(taken))]]
+        order, free = self._ordered(chosen)
+        at = [*order, *candidates, -1]
+        gram, moments, _ = _ridged(self._whole[np.ix_(at, at)], chosen[ELASTIC].size, free, self._samples)
+        factor = cholesky(gram[: order.size, : order.size], lower=True, check_finite=False)
+        across = np.column_stack([gram[: order.size, order.size :], moments[: order.size]])
+        taken = solve_triangular(factor, across, lower=True, check_finite=False)
+        size = np.diag(gram)[order.size :] - np.sum(np.square(taken[:, :-1]), axis=0)
+        gain = np.square(moments[order.size :] - taken[:, -1] @ taken[:, :-1]) / size
+        return candidates[[int(np.argmax(gain))]]
 
     def grow(self, base: Mapping[str, Places], kinds: Sequence[str], one_by_one: Sequence[str]) -> dict[str, Places]:
         """``base`` and those of ``kinds`` that make the error much smaller, the best first.

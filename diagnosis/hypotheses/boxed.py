@@ -42,38 +42,57 @@ def boxed_least_squares(gram: Floats, moment: Floats, lower: Floats, upper: Floa
 @njit(cache=True)
 def _boxed(gram, moment, lower, upper, beta, reduction):
     k = moment.shape[1]
+    norm, wanted, low, high, value, found = np.empty((6, k))
+    held, system = np.empty(k, np.bool_), np.empty((k, k))
     for i in range(moment.shape[0]):
-        norm = np.sqrt(np.maximum(np.diag(gram[i]), 1e-300))
-        wanted, low, high = moment[i] / norm, lower * norm, upper * norm
-        held = lower == upper
-        value = np.where(held & np.isfinite(low), low, 0.0)
+        for a in range(k):
+            norm[a] = np.sqrt(max(gram[i, a, a], 1e-300))
+            wanted[a], low[a], high[a] = moment[i, a] / norm[a], lower[a] * norm[a], upper[a] * norm[a]
+            held[a] = lower[a] == upper[a]
+            value[a] = low[a] if held[a] and np.isfinite(low[a]) else 0.0
         # Clamp what leaves the box and solve again; each round clamps one more unknown, so k rounds end it.
         for _ in range(k + 1):
-            system, right = np.eye(k), value.copy()
             for a in range(k):
-                if held[a]:
-                    continue
-                right[a] = wanted[a]
+                found[a] = value[a] if held[a] else wanted[a]
                 for b in range(k):
+                    system[a, b] = 1.0 if a == b else 0.0
                     share = gram[i, a, b] / (norm[a] * norm[b])
-                    if held[b]:
-                        right[a] -= share * value[b]
-                    else:
+                    if not held[a] and held[b]:
+                        found[a] -= share * value[b]
+                    elif not held[a]:
                         system[a, b] = share + (RIDGE if a == b else 0.0)
-            found = np.linalg.solve(system, right)
+            _solve(system, found)
             worst, most = -1, 0.0
             for a in range(k):
                 excess = max(low[a] - found[a], found[a] - high[a])
                 if not held[a] and excess > most:
                     worst, most = a, excess
-            value = np.where(held, value, found)
+            for a in range(k):
+                value[a] = value[a] if held[a] else found[a]
             if worst < 0:
                 break
             value[worst] = min(max(found[worst], low[worst]), high[worst])
             held[worst] = True
-        beta[i] = value / norm
+        for a in range(k):
+            beta[i, a] = value[a] / norm[a]
         reduction[i] = 0.0
         for a in range(k):
             for b in range(k):
                 reduction[i] -= beta[i, a] * gram[i, a, b] * beta[i, b]
             reduction[i] += 2.0 * beta[i, a] * moment[i, a]
+
+
+@njit(cache=True)
+def _solve(system, right):
+    """Solve for few unknowns in place; positive definite, so without pivots. LAPACK would take most of the time to be called."""
+    k = right.size
+    for a in range(k):
+        for b in range(a + 1, k):
+            share = system[b, a] / system[a, a]
+            for c in range(a + 1, k):
+                system[b, c] -= share * system[a, c]
+            right[b] -= share * right[a]
+    for a in range(k - 1, -1, -1):
+        for b in range(a + 1, k):
+            right[a] -= system[a, b] * right[b]
+        right[a] /= system[a, a]

@@ -17,7 +17,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.least_squares import blocks, reduced
 from ..effects.base import INPUT, SENSOR, TORQUE, Effect, Form
 from ..emulator.emulation import SimulatorScene
 from ..recording.noise import rms
@@ -208,10 +207,11 @@ class Evidence:
         largest = np.max(self.scales, axis=0)
         weights = np.repeat(largest / self.sigma, [structure.shape[1], bulk.shape[1]])
         tangents = np.hstack([structure, bulk])
-        triangle = reduced(tangents[part] * weights for part in blocks(self.gap.size))
-        _, singular, right = np.linalg.svd(triangle, full_matrices=False)
-        kept = singular > max(NOTICEABLE, 1e-5 * float(singular[0]))
-        self._singular, self._right = singular[kept], right[kept]
+        # Products have no digits of directions below the smallest that are looked at, and take far less than rows.
+        squares, right = np.linalg.eigh((tangents.T @ tangents) * np.outer(weights, weights))
+        singular = np.sqrt(np.maximum(squares, 0.0))
+        kept = singular > max(NOTICEABLE, 1e-5 * float(singular[-1]))
+        self._singular, self._right = singular[kept], right.T[kept]
         # Combinations of tangents that are as well on every sample, those that this fit does not see included.
         self._to_basis = weights[:, None] * (self._right.T / self._singular)
         self._basis = tangents @ self._to_basis

@@ -6,14 +6,17 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..hypotheses.evidence import Evidence, Hypothesis, is_refitted
+from ..hypotheses.evidence import Evidence, Hypothesis, Term, is_refitted
+from ..hypotheses.refinement import polish
 from ..names import GAIN
 from .own_errors import usual
 from .priors import prior
 
 __all__ = ["as_one_factor", "factor_of_all", "is_too_large"]
 
+Floats = NDArray[np.float64]
 ONE_FACTOR = 0.005
 """Share of the gap's energy that one factor on the torque may leave to be more than a coincidence of several errors."""
 AGAINST_ONE_FACTOR = 20.0
@@ -27,12 +30,18 @@ TOO_LARGE, MOST_LEFT = 0.07, 0.1
 energy that it may leave to them."""
 SMALL = 3.0
 """Gap over noise below which such a share cannot be told."""
+AGAINST_FACTOR_BESIDE = 15.0
+"""Logarithm of the odds against one factor beside an effect, where a simulator that is off would do beside that effect, beyond
+which it is a coincidence."""
+CANCELS = 2.0
+"""Energy of the factor over the gap's from which the effect would have to cancel most of it."""
 
 
 def as_one_factor(
     evidence: Evidence, best: Hypothesis, found: Sequence[Hypothesis], energy: float, size: float
 ) -> Hypothesis:
-    """A gain in place of a simulator that is off where one factor closes the gap, or the other way round; else ``best``."""
+    """A gain in place of a simulator that is off, alone or beside one effect, where one factor closes the gap; or the other way
+    round; else ``best``."""
     gain, blank = next((h for h in found if h.names == {GAIN}), None), found[0]
     if gain is None or evidence.fitted or energy < SMALL**2 * evidence.sigma**2:
         # Noise would decide.
@@ -43,8 +52,7 @@ def as_one_factor(
         return (float(np.mean(np.square(evidence.left_over(alone)))) - evidence.sigma**2) / energy
 
     if not best.terms:
-        plain = next(form for form in gain.terms[0].effect.forms(evidence.scene) if not form.shapes)
-        factor = evidence.fit((replace(gain.terms[0], form=plain, shape=()),), evidence.exact)
+        factor = evidence.fit((_plain(evidence, gain),), evidence.exact)
         behind = best.score - factor.score - prior(evidence, factor, size)
         if behind < AGAINST_ONE_FACTOR and leaves(factor) < ONE_FACTOR:
             return factor
@@ -53,6 +61,8 @@ def as_one_factor(
         if beside.score - best.score > FOR_ONE_FACTOR and leaves(beside) < SEVERAL:
             return beside
         return beside if is_too_large(evidence, energy) else best
+    if len(best.terms) == 1 and GAIN not in best.names and is_refitted(best.scale):
+        return _with_factor(evidence, best, found, gain, energy)
     if (
         best.names == {GAIN}
         and is_refitted(best.scale)
@@ -61,6 +71,38 @@ def as_one_factor(
     ):
         return blank
     return best
+
+
+def _with_factor(
+    evidence: Evidence, best: Hypothesis, found: Sequence[Hypothesis], gain: Hypothesis, energy: float
+) -> Hypothesis:
+    """A gain in place of what is off in the simulator beside one effect, where all its errors come to one factor; else ``best``."""
+    factor = _plain(evidence, gain)
+    alike = [h for h in found if h.names - {GAIN} == best.names]
+    alike += [h.beside_exact for h in alike if h.beside_exact]
+    laws = [best.terms, *(tuple(t for t in h.terms if t.effect.id != GAIN) for h in alike)]
+    both = max((evidence.fit((*law, factor), evidence.exact) for law in laws), key=lambda h: h.score)
+    strictly = evidence.fit(both.terms, ((0.0, 0.0),))
+    noise = evidence.sigma**2
+    left = float(np.mean(np.square(evidence.left_over(strictly)))) - noise
+    made, rubbed = (float(np.mean(np.square(part))) for part in _factored(evidence, strictly))
+    # Where nothing is seen of what it makes of friction, a stiffness that is off would do.
+    is_one = left < ONE_FACTOR * made and SMALL**2 * noise < made < CANCELS * energy and rubbed > noise
+    if not is_one or both.score < best.score - AGAINST_FACTOR_BESIDE:
+        return best
+    return polish(evidence, replace(both, by_scale=evidence.fit(both.terms).by_scale, beside_exact=both))
+
+
+def _factored(evidence: Evidence, hypothesis: Hypothesis) -> tuple[Floats, Floats]:
+    """What its factor adds to the whole torque and to friction alone, shapes (n,)."""
+    factor = hypothesis.parameters(GAIN)["gain_error"]
+    return hypothesis.part(GAIN)[evidence.rows], factor * evidence.scene.friction[evidence.rows]
+
+
+def _plain(evidence: Evidence, gain: Hypothesis) -> Term:
+    """One factor on the torque, whatever the law of the gain."""
+    plain = next(form for form in gain.terms[0].effect.forms(evidence.scene) if not form.shapes)
+    return replace(gain.terms[0], form=plain, shape=())
 
 
 def is_too_large(evidence: Evidence, energy: float) -> bool:
