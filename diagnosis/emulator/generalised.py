@@ -302,13 +302,12 @@ def motion_beside(signals: Signals, x: Floats) -> Motion:
     if not np.any(change):
         return motion_of(signals)
 
-    @functools.cache
-    def derivatives() -> tuple[Floats, Floats]:
+    def slopes() -> tuple[Floats, Floats]:
         # The change is far smoother than the measured input, so it may be differentiated as it is.
         added = signals.slope(change)
         return signals.speed + added, signals.acceleration + signals.slope(added)
 
-    return Motion(signals.time, x, signals.runs, derivatives)
+    return Motion(signals.time, x, signals.runs, slopes)
 
 
 def _thresholds(reach: float, count: int) -> Floats:

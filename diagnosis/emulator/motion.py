@@ -38,18 +38,22 @@ class Motion:
     time: Floats
     x: Floats
     runs: Sequence[slice]
-    derivatives: Callable[[], tuple[Floats, Floats]]
-    """Gives speed and acceleration, shapes (n,): many simulators never ask for them."""
+    slopes: Callable[[], tuple[Floats, Floats]]
+    """Gives speed and acceleration, shapes (n,), once they are asked for: many simulators never do."""
     course: Floats | None = None
     """The deflection as the simulator's memory knows it, where it differs."""
 
     @property
     def speed(self) -> Floats:
-        return self.derivatives()[0]
+        return self._slopes[0]
 
     @property
     def acceleration(self) -> Floats:
-        return self.derivatives()[1]
+        return self._slopes[1]
+
+    @functools.cached_property
+    def _slopes(self) -> tuple[Floats, Floats]:
+        return self.slopes()
 
     @property
     def path(self) -> Floats:
@@ -61,12 +65,9 @@ class Motion:
         edges = [np.searchsorted(samples, (run.start, run.stop)) for run in self.runs]
         runs = [slice(int(a), int(b)) for a, b in edges]
         course = None if self.course is None else self.course[samples]
-
-        @functools.cache
-        def derivatives() -> tuple[Floats, Floats]:
-            return self.speed[samples], self.acceleration[samples]
-
-        return Motion(self.time[samples], self.x[samples], runs, derivatives, course)
+        return Motion(
+            self.time[samples], self.x[samples], runs, lambda: (self.speed[samples], self.acceleration[samples]), course
+        )
 
     def differenced(self, derivatives: str) -> Motion:
         """The motion with its derivatives as a simulator takes them, one of ``DIFFERENCES``; of any other name with these."""
@@ -76,7 +77,7 @@ class Motion:
         for run in self.runs:
             for series, of in ((speed, self.x), (acceleration, speed)):
                 series[run] = DIFFERENCES[derivatives](of[run], self.time[run])
-        seen = replace(self, derivatives=lambda: (speed, acceleration))
+        seen = replace(self, slopes=lambda: (speed, acceleration))
         return seen._summed_up() if derivatives == SUMMED else seen
 
     def _summed_up(self) -> Motion:

@@ -28,6 +28,8 @@ SEVERAL = 0.02
 TOO_LARGE, MOST_LEFT = 0.07, 0.1
 """A factor on the torque beyond what parameters that are off by a few per cent make together, and the share of the gap's
 energy that it may leave to them."""
+EXACTLY = ((0.0, 0.0),)
+"""A simulator that is right to the last detail."""
 SMALL = 3.0
 """Gap over noise below which such a share cannot be told."""
 AGAINST_FACTOR_BESIDE = 15.0
@@ -48,8 +50,7 @@ def as_one_factor(
         return best
 
     def leaves(factor: Hypothesis) -> float:
-        alone = evidence.fit(factor.terms, ((0.0, 0.0),))
-        return (float(np.mean(np.square(evidence.left_over(alone)))) - evidence.sigma**2) / energy
+        return _left(evidence, evidence.fit(factor.terms, EXACTLY)) / energy
 
     if not best.terms:
         factor = evidence.fit((_plain(evidence, gain),), evidence.exact)
@@ -82,15 +83,20 @@ def _with_factor(
     alike += [h.beside_exact for h in alike if h.beside_exact]
     laws = [best.terms, *(tuple(t for t in h.terms if t.effect.id != GAIN) for h in alike)]
     both = max((evidence.fit((*law, factor), evidence.exact) for law in laws), key=lambda h: h.score)
-    strictly = evidence.fit(both.terms, ((0.0, 0.0),))
-    noise = evidence.sigma**2
-    left = float(np.mean(np.square(evidence.left_over(strictly)))) - noise
+    strictly, noise = evidence.fit(both.terms, EXACTLY), evidence.sigma**2
     made, rubbed = (float(np.mean(np.square(part))) for part in _factored(evidence, strictly))
     # Where nothing is seen of what it makes of friction, a stiffness that is off would do.
-    is_one = left < ONE_FACTOR * made and SMALL**2 * noise < made < CANCELS * energy and rubbed > noise
+    is_one = (
+        _left(evidence, strictly) < ONE_FACTOR * made and SMALL**2 * noise < made < CANCELS * energy and rubbed > noise
+    )
     if not is_one or both.score < best.score - AGAINST_FACTOR_BESIDE:
         return best
     return polish(evidence, replace(both, by_scale=evidence.fit(both.terms).by_scale, beside_exact=both))
+
+
+def _left(evidence: Evidence, hypothesis: Hypothesis) -> float:
+    """Mean square that a hypothesis leaves beyond the noise."""
+    return float(np.mean(np.square(evidence.left_over(hypothesis)))) - evidence.sigma**2
 
 
 def _factored(evidence: Evidence, hypothesis: Hypothesis) -> tuple[Floats, Floats]:
