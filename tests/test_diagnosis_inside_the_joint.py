@@ -320,6 +320,14 @@ def test_a_hum_that_passes_for_noise_is_told_with_its_frequency() -> None:
     assert any("shield or filter" in note for note in found.notes)
 
 
+@pytest.mark.parametrize("frequency", [49.97, 50.02, 49.4, 0.37 * 100.0])
+def test_a_hum_is_told_where_the_sampling_makes_it_the_fastest_there_is(frequency: float) -> None:
+    """Mains at 50 Hz, sampled at 100 Hz, changes its sign at every sample."""
+    assert 1.0 / float(np.mean(np.diff(TIME))) == pytest.approx(100.0)
+    recorded = signals(joint(X) + 0.05 * np.sin(2.0 * np.pi * frequency * TIME))
+    assert hum(recorded) == pytest.approx(min(frequency, 100.0 - frequency), abs=0.3)
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_noise_does_not_hum(seed: int) -> None:
     white = signals(joint(X), seed)

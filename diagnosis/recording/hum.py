@@ -39,7 +39,9 @@ def hum(signals: Signals) -> float:
     if not spectra:
         return 0.0
     density = np.average(spectra, axis=0, weights=weights)[2:]
-    ratio = density / np.maximum(median_filter(density, NEIGHBOURS, mode="nearest"), 1e-300)
+    # Nothing comes after the fastest line: its neighbours are those before it. Slow structure, at the other end, is its own.
+    beyond = np.concatenate([density, density[-2 : -2 - NEIGHBOURS // 2 : -1]])
+    ratio = density / np.maximum(median_filter(beyond, NEIGHBOURS, mode="nearest")[: density.size], 1e-300)
     k = int(np.argmax(ratio))
     line = density[max(k - 3, 0) : k + 4]
     return float(frequencies[k + 2]) if ratio[k] > STANDS_OUT and line.sum() > MOST * density.sum() else 0.0
