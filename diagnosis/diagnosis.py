@@ -17,7 +17,7 @@ from .hypotheses.evidence import Evidence, Hypothesis
 from .hypotheses.heldout import HeldOut, closed_share, held_out
 from .hypotheses.refitting import refitted_beside
 from .hypotheses.search import Library, search
-from .names import MISCALIBRATION, UNKNOWN
+from .names import GAIN, MISCALIBRATION, UNKNOWN
 from .reasons import reasons
 from .recording.noise import rms, structured_power
 from .recording.signals import Signals
@@ -168,7 +168,13 @@ def _is_better(signals: Signals, calm: Choice, whole: Choice, seed: int) -> bool
     closed = _closed(signals, calm, seed)
     if whole.verdict == [UNKNOWN]:
         return closed >= 0.5
-    return set(_named(calm)) < set(_named(whole)) and closed >= _closed(signals, whole, seed) - AS_MUCH
+    fewer = set(_named(calm)) < set(_named(whole)) and _causes(calm) <= _causes(whole)
+    return fewer and closed >= _closed(signals, whole, seed) - AS_MUCH
+
+
+def _causes(choice: Choice) -> set[str]:
+    """What a verdict blames. A simulator that is off is no fewer causes than an effect, but a gain may be that."""
+    return {MISCALIBRATION if name == GAIN else name for name in choice.verdict}
 
 
 def _explained(choice: Choice, named: Sequence[str]) -> dict[str, Floats]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -19,7 +20,7 @@ from hystbench.bench.cells import fitted_on
 from hystbench.datasets import Dataset, DatasetUnavailableError, Recording, concatenate
 from hystbench.datasets.recording_files import DEFAULT_TIME, DEFAULT_X, write_recording
 from hystbench.diagnosis.blind.cases import DEVELOPMENT_PLANTS
-from hystbench.diagnosis.diagnosis import diagnose
+from hystbench.diagnosis.diagnosis import _is_better, diagnose
 from hystbench.diagnosis.excitation import design_next, margins
 from hystbench.diagnosis.from_benchmark import diagnose_model, gap_signals
 from hystbench.diagnosis.hypotheses.adequacy import forgiven
@@ -428,3 +429,31 @@ def test_known_causes_name_registered_datasets_models_and_effects() -> None:
         assert cause.effects <= set(registry.ids())
         assert cause.models <= set(models.ids())
     assert known_cause(models.get("lugre"), "mr-damper") is None
+
+
+# ---- a second look without knocks --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("whole", "calm", "believed"),
+    [
+        (["backlash", "end_stop"], ["backlash"], True),
+        (["backlash"], ["backlash"], False),
+        # A simulator that is off is a cause as well; it makes what a gain makes.
+        (["backlash", "end_stop"], ["backlash", "miscalibration"], False),
+        (["backlash", "torque_gain"], ["backlash", "miscalibration"], True),
+        (["backlash", "end_stop", "miscalibration"], ["backlash", "miscalibration"], True),
+        (["unknown"], ["backlash", "miscalibration"], True),
+        (["unknown"], ["unknown"], False),
+    ],
+)
+def test_a_second_look_without_knocks_is_believed_where_it_blames_less(
+    whole: list[str], calm: list[str], believed: bool
+) -> None:
+    time, x = rich_motion()
+    recorded = signals_of(time, x, spring(x) + 0.3 * x, spring(x))
+    looks = [SimpleNamespace(verdict=names, explained=0.99 * recorded.gap) for names in (calm, whole)]
+    assert _is_better(recorded, *looks, seed=0) == believed
+    # It has to close as much.
+    looks[0].explained = 0.4 * recorded.gap
+    assert not _is_better(recorded, *looks, seed=0) or whole == ["unknown"]
