@@ -257,19 +257,18 @@ def test_costs_are_those_of_real_diagnoses_the_shortest_first() -> None:
     assert peaks == [None, None] or 50.0 < peaks[0] <= peaks[1]
 
 
-def test_carried_over_to_another_motion_the_prediction_holds() -> None:
-    plant, time, x = plant_of(Case("slip", ("viscous_friction",), 8.0, 0.0, "rich", 21), 30.0)
+@pytest.mark.parametrize("effect", ["viscous_friction", "backlash"])
+def test_carried_over_to_another_motion_the_prediction_holds(effect: str) -> None:
+    plant, time, x = plant_of(Case("slip", (effect,), 8.0, 0.0, "rich", 21), 30.0)
     made = plant.record(time, x, np.random.default_rng(1))
     found = diagnose(made.signals)
-    assert found.verdict == ["viscous_friction"]
+    assert found.verdict == [effect]
     slow = 0.3 * plant.joint.reach * np.sin(0.8 * time)
     there = plant.record(time, slow, np.random.default_rng(2))
     signal = signal_on(found, there.time, there.x, there.y_sim)
     predicted = predicted_closed(found, signal)
-    assert signal == pytest.approx(
-        there.contributions["viscous_friction"], abs=0.2 * plant.noise + 0.1 * np.ptp(signal)
-    )
-    # A tenth of the speed leaves little of the gap: the figure of the first recording would be wrong here.
+    assert signal == pytest.approx(there.contributions[effect], abs=0.2 * plant.noise + 0.1 * np.ptp(signal))
+    # Slow and small strokes leave less of the gap: the figure of the first recording would be wrong here.
     assert predicted < found.closed_in_all
     assert predicted == pytest.approx(found_closed(there.signals, signal), abs=0.15)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..emulator.emulation import SimulatorScene
@@ -19,9 +21,13 @@ def named_effects(found: Diagnosis) -> list[str]:
 
 
 def signal_on(found: Diagnosis, time: Floats, x: Floats, y_sim: Floats) -> Floats:
-    """What the identified effects add to the simulator's output ``y_sim`` along another motion, N·m, shape (n,)."""
+    """What the identified effects add to the simulator's output ``y_sim`` along another motion, N·m, shape (n,).
+
+    The simulator answers as it was identified on the first recording, sampled alike.
+    """
     target = Signals(time, x, y_sim, y_sim, [slice(0, x.size)], {})
-    return found.choice.hypothesis.signal_on(SimulatorScene(target))
+    emulator = found.evidence.scene.emulator
+    return found.choice.hypothesis.signal_on(SimulatorScene(target, replace(emulator, predict=emulator.anew)))
 
 
 def predicted_closed(found: Diagnosis, signal: Floats) -> float:

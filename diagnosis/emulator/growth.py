@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .kinds import ELASTIC, KINKS, Kind
 from .motion import Extent, Motion
-from .placing import placed
+from .placing import Placing
 from .selection import CLEARLY, EXACT, WORTHWHILE, Selection, spread
 
 __all__ = ["PLACED", "RATES", "STOPS", "Growth"]
@@ -56,7 +56,8 @@ class Growth:
         target: Floats,
     ) -> None:
         self._few, self._sign, self._kinds = few, sign, kinds
-        self._extent, self._motion, self._target = extent, motion, target
+        self._motion, self._target = motion, target
+        self._placing = Placing(extent, motion, target, sign)
         self._beside = [there[ELASTIC], there[STOPS][:, few], there[RATES]]
         self._some = spread(target.size)
         self._there = {name: columns[self._some] for name, columns in there.items()}
@@ -73,7 +74,7 @@ class Growth:
         movable = {name: kind for name, kind in self._kinds.items() if kind.limits and name in placing}
         # Where the spring has corners, or waves, what is left without them says little of the rest.
         springs = {name: kind for name, kind in movable.items() if kind.part == ELASTIC}
-        more = placed(springs, self._extent, self._motion, np.hstack(self._beside), self._target, self._sign)
+        more = self._placing.placed(springs, np.hstack(self._beside))
         self._take_up(more)
         chosen = self._chosen([KINKS], list(more))
         chosen = {KINKS: np.empty(0, dtype=np.intp)} | {name: at for name, at in chosen.items() if name in self._sizes}
@@ -83,7 +84,7 @@ class Growth:
         for this in range(ROUNDS):
             rest = {name: kind for name, kind in movable.items() if name not in needed and name not in refused}
             enough = WELL_EMULATED if this else EXACT
-            more = placed(rest, self._extent, self._motion, np.hstack(beside), self._target, self._sign, enough)
+            more = self._placing.placed(rest, np.hstack(beside), enough)
             if this and not more:
                 break
             self._take_up(more)

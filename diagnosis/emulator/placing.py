@@ -14,7 +14,7 @@ from .kinds import Kind
 from .motion import Extent, Motion
 from .selection import CLEARLY, EXACT, WORTHWHILE
 
-__all__ = ["placed"]
+__all__ = ["Placing"]
 
 Floats = NDArray[np.float64]
 MOST = 4
@@ -39,57 +39,66 @@ RICH, POOR = 8, 0.01
 """From so many sizes on an element is looked for only where so much of the error is left."""
 
 
-def placed(
-    kinds: Mapping[str, Kind],
-    extent: Extent,
-    motion: Motion,
-    beside: Floats,
-    target: Floats,
-    sign: float = 1.0,
-    enough: float = EXACT,
-) -> dict[str, Floats]:
-    """Elements of each of these kinds that emulate ``target`` (n,) best beside free columns (n, any), until that is ``enough``.
+class Placing:
+    """Elements that emulate ``target`` (n,) best, of a recording that spans ``extent``, along its ``motion``.
 
     The weights of those that must have one sign have that of ``sign``.
-
-    Returns their sizes (k, m) by the kind's name, those with fewer sizes first. Those that are not clearly better than a
-    kind before them are left out, and those that are asked last where they are no better.
     """
-    rows = _rows(motion)
-    thin = motion.at(rows)
-    others = beside[rows] / np.maximum(np.std(beside[rows], axis=0), 1e-300)
-    ridge = np.sqrt(RIDGE * len(others)) * np.eye(others.shape[1])
-    basis = np.linalg.qr(np.vstack([others, ridge]))[0]
-    seen = np.ascontiguousarray(basis[: len(others)].T)
 
-    def beyond(columns: Floats) -> Floats:
-        """What of some columns (rows, any) the others cannot make."""
-        left = basis @ (seen @ -columns)
-        left[: len(columns)] += columns
-        return np.asarray(left)
+    def __init__(self, extent: Extent, motion: Motion, target: Floats, sign: float) -> None:
+        self._extent, self._motion, self._target, self._sign = extent, motion, target, sign
+        self._rows = _rows(motion)
+        self._thin = motion.at(self._rows)
+        self._tried: dict[str, Floats] = {}
+        """Those to choose from of each kind, which stay the same beside others."""
 
-    goal = beyond(target[rows, None])[:, 0] / (max(float(np.std(target)), 1e-300) * np.sqrt(len(others)))
+    def placed(self, kinds: Mapping[str, Kind], beside: Floats, enough: float = EXACT) -> dict[str, Floats]:
+        """Elements of each of these kinds that do so beside free columns (n, any), until that is ``enough``.
 
-    def maker_of(kind: Kind) -> _Maker:
-        def all_along(sizes: Floats) -> Floats:
-            return kind.columns(motion, sizes)[rows]
+        Returns their sizes (k, m) by the kind's name, those with fewer sizes first. Those that are not clearly better than a
+        kind before them are left out, and those that are asked last where they are no better.
+        """
+        rows = self._rows
+        others = beside[rows] / np.maximum(np.std(beside[rows], axis=0), 1e-300)
+        ridge = np.sqrt(RIDGE * len(others)) * np.eye(others.shape[1])
+        basis = np.linalg.qr(np.vstack([others, ridge]))[0]
+        seen = np.ascontiguousarray(basis[: len(others)].T)
 
+        def beyond(columns: Floats) -> Floats:
+            """What of some columns (rows, any) the others cannot make."""
+            left = basis @ (seen @ -columns)
+            left[: len(columns)] += columns
+            return np.asarray(left)
+
+        size = max(float(np.std(self._target)), 1e-300) * np.sqrt(len(others))
+        goal = beyond(self._target[rows, None])[:, 0] / size
+
+        def maker_of(name: str, kind: Kind) -> _Maker:
+            made = self._columns_of(kind)
+            if name not in self._tried:
+                self._tried[name] = made(_within(kind, self._extent))
+            sign = self._sign if kind.one_sign else 0.0
+            return _Maker(kind, self._extent, beyond(self._tried[name]), lambda sizes: beyond(made(sizes)), goal, sign)
+
+        better: dict[str, Floats] = {}
+        least = float(np.linalg.norm(goal))
+        for name, kind in sorted(kinds.items(), key=lambda each: (each[1].last, each[1].width)):
+            if least < enough:
+                break
+            if kind.width >= RICH and least < POOR:
+                # It would take most of the time for what is small already.
+                continue
+            sizes, error = maker_of(name, kind).made()
+            if sizes.size and error < (1.0 if kind.last else CLEARLY) * least:
+                better[name], least = sizes, error
+        return better
+
+    def _columns_of(self, kind: Kind) -> Callable[[Floats], Floats]:
+        """What makes elements of a kind from their sizes, on the samples by which they are placed."""
+        if kind.timed or kind.by_speed or kind.all_along:
+            return lambda sizes: kind.columns(self._motion, sizes)[self._rows]
         # Most of what knows neither time nor speed needs only the turns of the motion.
-        made = all_along if kind.timed or kind.by_speed or kind.all_along else functools.partial(kind.columns, thin)
-        return _Maker(kind, extent, lambda sizes: beyond(made(sizes)), goal, sign if kind.one_sign else 0.0)
-
-    better: dict[str, Floats] = {}
-    least = float(np.linalg.norm(goal))
-    for name, kind in sorted(kinds.items(), key=lambda each: (each[1].last, each[1].width)):
-        if least < enough:
-            break
-        if kind.width >= RICH and least < POOR:
-            # It would take most of the time for what is small already.
-            continue
-        sizes, error = maker_of(kind).made()
-        if sizes.size and error < (1.0 if kind.last else CLEARLY) * least:
-            better[name], least = sizes, error
-    return better
+        return functools.partial(kind.columns, self._thin)
 
 
 def _rows(motion: Motion) -> NDArray[np.intp]:
@@ -104,6 +113,12 @@ def _rows(motion: Motion) -> NDArray[np.intp]:
     return np.unique(rows)
 
 
+def _within(kind: Kind, extent: Extent) -> Floats:
+    """Sizes (k, m) of the elements to choose from, within their limits."""
+    assert kind.limits is not None
+    return np.clip(kind.sizes(extent), *kind.limits(extent))
+
+
 class _Maker:
     """Elements of one kind, all of whose sizes are moved by least squares, on a scale of logarithms but for signed ones.
 
@@ -111,7 +126,7 @@ class _Maker:
     """
 
     def __init__(
-        self, kind: Kind, extent: Extent, columns: Callable[[Floats], Floats], goal: Floats, sign: float
+        self, kind: Kind, extent: Extent, tried: Floats, columns: Callable[[Floats], Floats], goal: Floats, sign: float
     ) -> None:
         assert kind.limits is not None
         limits = kind.limits(extent)
@@ -119,8 +134,7 @@ class _Maker:
         self._low, self._high = self._logs(limits)
         self._first = ~np.isin(np.arange(self._low.size), kind.later)
         self._hopeless_at_first = COSTLY if kind.timed else HOPELESS
-        self._starts = self._logs(np.clip(kind.sizes(extent), *limits))
-        self._tried = columns(self._sizes(self._starts))
+        self._starts, self._tried = self._logs(_within(kind, extent)), tried
         self._goal = goal
         self._sign = sign
         # From one derivative to the next only the sizes of one element differ.

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..effects.base import Effect, Form
 from .adequacy import left_by
 from .boxed import boxed_least_squares
-from .evidence import Evidence, Hypothesis, Scale, Term, count_unknowns, is_refitted, spans
+from .evidence import FINE, Evidence, Hypothesis, Scale, Term, count_unknowns, is_refitted, spans
 from .refinement import refine, refine_anyhow
 
 __all__ = ["NOTHING", "Library", "search"]
@@ -241,6 +241,8 @@ def search(library: Library, wide: int = 9, most: int = 3) -> list[Hypothesis]:
         if size > 1:
             # In company only the most likely sets are worth other forms.
             for fitted, numbers in sorted(refined.values(), key=lambda item: -item[0].score)[: 4 - size]:
+                if _leaves_nothing(evidence, fitted, FINE):
+                    continue
                 for better in (
                     *_successors(evidence, fitted),
                     *_siblings(evidence, fitted),
@@ -283,9 +285,9 @@ def _refined(evidence: Evidence, terms: Sequence[Term], scales: Sequence[Scale] 
     return evidence.fit(refined.terms) if scales else refined
 
 
-def _leaves_nothing(evidence: Evidence, hypothesis: Hypothesis) -> bool:
-    """Whether a simulator that is exact to the last detail leaves nothing beside it that could have a cause."""
-    return max(hypothesis.scale) <= DETAIL and left_by(evidence, hypothesis) < NOTHING
+def _leaves_nothing(evidence: Evidence, hypothesis: Hypothesis, detail: float = DETAIL) -> bool:
+    """Whether a simulator that is exact, its parameters to within ``detail``, leaves nothing beside it that could have a cause."""
+    return max(hypothesis.scale) <= detail and left_by(evidence, hypothesis) < NOTHING
 
 
 def _worth_refining(library: Library, ranked: Sequence[_Scored]) -> tuple[list[_Scored], int]:

@@ -39,6 +39,16 @@ def _resonated(time, u, frequency, damping, out):
 
 
 @njit(cache=True)
+def _held(speed, pulled, h, part, push, kept, left, share, inert, sticky, friction):
+    # The speed of a mass a step later: friction holds with what it takes, and lets go where that is more than it has.
+    held = (speed + h * (part * share * pulled - push)) * kept
+    grip = (1.0 - share) * (pulled - inert * held) + sticky * held
+    if abs(grip) > friction:
+        return (speed + h * (part * (pulled - (friction if grip > 0.0 else -friction)) - push)) * left
+    return held
+
+
+@njit(cache=True)
 def _sliding(time, x, level, frequency, damping, creep, late, early, share, upper, lower, hold, give, out):
     place, speed = 0.0, 0.0
     friction = level * frequency * frequency
@@ -54,24 +64,23 @@ def _sliding(time, x, level, frequency, damping, creep, late, early, share, uppe
         h = dt / SUBSTEPS
         pull = frequency * frequency
         inert = 2.0 * damping * frequency + h * pull
+        # Away from stops all but the speed is known before: a division in each step would take most of the time.
+        holding, slipping = 1.0 / (1.0 + h * (share * inert + sticky)), 1.0 / (1.0 + h * inert)
         firm = hold * hold
         stopping = 2.0 * hold + h * firm
-        dragged = early * (x[i] - x[i - 1]) / dt
+        step = (x[i] - x[i - 1]) / SUBSTEPS
+        ahead = x[i - 1] + early * (x[i] - x[i - 1]) / dt
         for k in range(SUBSTEPS):
-            pulled = pull * (x[i - 1] + (x[i] - x[i - 1]) * (k + 1) / SUBSTEPS + dragged - place)
-            beyond = max(place - upper, 0.0) + min(place + lower, 0.0)
-            part, push, drag = 1.0, 0.0, 0.0
+            pulled = pull * (ahead + step * (k + 1) - place)
+            touching = place > upper or place < -lower
+            beyond = max(place - upper, 0.0) + min(place + lower, 0.0) if touching else 0.0
             # A stop only pushes. All is implicit, so that it stays stable however stiff.
-            if beyond != 0.0 and (hold * beyond + 2.0 * speed) * beyond > 0.0:
-                part, push, drag = give, firm * beyond, stopping
-            # Friction holds with what it takes, and lets go where that is more than it has.
-            held = (speed + h * (part * share * pulled - push)) / (1.0 + h * (part * (share * inert + sticky) + drag))
-            grip = (1.0 - share) * (pulled - inert * held) + sticky * held
-            if abs(grip) > friction:
-                slip = part * (pulled - friction * (1.0 if grip > 0.0 else -1.0)) - push
-                speed = (speed + h * slip) / (1.0 + h * (part * inert + drag))
+            if touching and (hold * beyond + 2.0 * speed) * beyond > 0.0:
+                kept = 1.0 / (1.0 + h * (give * (share * inert + sticky) + stopping))
+                left = 1.0 / (1.0 + h * (give * inert + stopping))
+                speed = _held(speed, pulled, h, give, firm * beyond, kept, left, share, inert, sticky, friction)
             else:
-                speed = held
+                speed = _held(speed, pulled, h, 1.0, 0.0, holding, slipping, share, inert, sticky, friction)
             place += h * speed
         out[i] = x[i] - place - late * speed
 
