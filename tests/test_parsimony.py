@@ -13,7 +13,7 @@ from hystbench.diagnosis.hypotheses.adequacy import emulated
 from hystbench.diagnosis.hypotheses.evidence import Evidence, Term, is_refitted
 from hystbench.diagnosis.operators.memory import plays
 from hystbench.diagnosis.recording.signals import Signals
-from hystbench.diagnosis.verdict.own_errors import rather_both, rather_errors, rather_two
+from hystbench.diagnosis.verdict.own_errors import rather_errors, rather_two
 from hystbench.diagnosis.verdict.parsimony import fewest
 
 TIME = np.arange(3000) * 0.01
@@ -116,7 +116,3 @@ def test_a_second_effect_is_not_named_for_what_errors_of_the_simulator_make_as_w
     best = rather_errors(evidence, found, both)
     assert best.names == named
     assert is_refitted(best.scale) == (len(named) == 1)
-    # It is the same question where one effect and a simulator that is off come first.
-    one = evidence.fit(terms[:1], [scale for scale in evidence.scales if is_refitted(scale)])
-    energy = float(np.mean(np.square(evidence.gap))) - evidence.sigma**2
-    assert rather_both(evidence, [found[0], one, both], one, energy).names == named

@@ -22,7 +22,7 @@ from .calibration import CONFIDENCE, confidence
 from .clocks import OtherClock, follows_another_clock
 from .imitation import Image, imaged_by, imitations, without_image
 from .one_factor import as_one_factor, factor_of_all, is_too_large
-from .own_errors import OwnErrors, needs_largest, rather_both, rather_errors, rather_off, rather_two
+from .own_errors import OwnErrors, needs_largest, rather_errors, rather_off, rather_two
 from .parsimony import fewest, hardly_worse, simplest
 from .priors import prior
 from .rivals import SAME_BY_EYE, TEMPERATURE, effective_share, is_nested, is_poor, recalibration_rivals, weigh
@@ -150,7 +150,6 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     ranked = sorted(found, key=lambda h: -likely[id(h)])
     simple = simplest(evidence, ranked, energy)
     best = rather_errors(evidence, found, fewest(evidence, ranked, simple, energy))
-    best = rather_both(evidence, found, best, energy)
     blank = found[0]
 
     errors = OwnErrors(evidence, blank, energy)

@@ -15,11 +15,11 @@ from ..hypotheses.adequacy import is_adequate, left_by
 from ..hypotheses.evidence import FINE, Evidence, Hypothesis, Scale, count_unknowns, is_refitted
 from ..hypotheses.search import NOTHING
 from ..names import GAIN
-from .parsimony import beside_exact, closes_almost_all, in_place_of
+from .parsimony import beside_exact, in_place_of
 from .priors import BESIDE_OFF, IDLE, STANDS_IN, prior
 from .strain import is_strained, largest_error
 
-__all__ = ["OwnErrors", "needs_largest", "rather_both", "rather_errors", "rather_off", "rather_two", "usual"]
+__all__ = ["OwnErrors", "needs_largest", "rather_errors", "rather_off", "rather_two", "usual"]
 
 NO_BETTER = 4.0
 """Logarithm of the odds, for each constant of its law, up to which an effect beside an exact simulator is no better than a
@@ -29,7 +29,7 @@ TWO, ONE = 0.014, 0.1
 beside an exact one."""
 SECOND = 0.006
 """Evidence a sample that a second effect beside an exact simulator must bring beyond the errors of one that is off; of 80 such pairs
-of strangers, but for gains, it was 0.0068 at least; of 240 with one effect and such errors, where nothing was left, 0.0031 at most."""
+of strangers, but for gains, it was 0.0083 at least."""
 CLEARLY_WORSE = 0.004
 """Evidence a sample by which smaller errors must do worse than errors of a tenth for these to be needed."""
 FAR, AS_GOOD = 3.0, 0.004
@@ -58,23 +58,6 @@ def rather_errors(evidence: Evidence, found: Sequence[Hypothesis], best: Hypothe
     ]
     score, scale, one = max(off, key=lambda each: each[0], default=(-np.inf, best.scale, best))
     return best if score < best.score - SECOND * evidence.effective else _at(evidence, one, (scale,))
-
-
-def rather_both(evidence: Evidence, found: Sequence[Hypothesis], best: Hypothesis, energy: float) -> Hypothesis:
-    """The other way round: two effects in place of one of them beside a simulator that is off, where that does not do nearly as well.
-
-    A simulator that is off follows so much that it may be the likelier one by what a second effect costs. Where something is left
-    in any case, that one is better may be its law's doing.
-    """
-    if evidence.fitted or len(best.terms) != 1 or not is_refitted(best.scale):
-        return best
-    pairs = [h for h in found if len(h.terms) == 2 and best.names < h.names and GAIN not in h.names]
-    beside = [(beside_exact(evidence, h), h) for h in pairs]
-    exact, pair = max(beside, key=lambda each: each[0].score, default=(best, best))
-    if exact.score <= best.score + SECOND * evidence.effective:
-        return best
-    enough = closes_almost_all(evidence, exact, energy) and left_by(evidence, exact) < NOTHING
-    return in_place_of(pair, exact) if enough else best
 
 
 def rather_off(evidence: Evidence, best: Hypothesis, blank: Hypothesis, size: float) -> Hypothesis:

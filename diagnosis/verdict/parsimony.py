@@ -10,7 +10,7 @@ import numpy as np
 from ..hypotheses.adequacy import ALMOST_ALL, INEXACT_NEAR, is_adequate, left_by
 from ..hypotheses.evidence import Evidence, Hypothesis, is_refitted
 
-__all__ = ["beside_exact", "closes_almost_all", "fewest", "hardly_worse", "in_place_of", "simplest", "special_cases"]
+__all__ = ["beside_exact", "fewest", "hardly_worse", "in_place_of", "simplest", "special_cases"]
 
 WORTH = 0.04
 """Share of the gap's energy that an effect must close beside the others."""
@@ -61,7 +61,7 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
         return (
             len(names) < MANY
             and not patched
-            and closes_almost_all(evidence, exact, energy)
+            and _closes_almost_all(evidence, exact, energy)
             and is_adequate(evidence, exact, energy)
         )
 
@@ -133,7 +133,7 @@ def fewest(evidence: Evidence, ranked: Sequence[Hypothesis], best: Hypothesis, e
             if len(hypothesis.terms) != size or (size == len(best.terms) and hypothesis.names != best.names):
                 continue
             beside = beside_exact(evidence, hypothesis)
-            if beside.score > least and closes_almost_all(evidence, beside, energy) and leaves_little(beside):
+            if beside.score > least and _closes_almost_all(evidence, beside, energy) and leaves_little(beside):
                 made.append((beside.score, in_place_of(hypothesis, beside)))
         if made:
             return max(made, key=lambda pair: pair[0])[1]
@@ -155,7 +155,7 @@ def beside_exact(evidence: Evidence, hypothesis: Hypothesis) -> Hypothesis:
     return hypothesis.beside_exact or evidence.fit(hypothesis.terms, evidence.exact)
 
 
-def closes_almost_all(evidence: Evidence, hypothesis: Hypothesis, energy: float) -> bool:
+def _closes_almost_all(evidence: Evidence, hypothesis: Hypothesis, energy: float) -> bool:
     """Whether effects close it by themselves: not by what even an exact simulator's fine structure may take."""
     left = float(np.mean(np.square(evidence.gap - hypothesis.signal[evidence.rows]))) - evidence.sigma**2
     return left <= (1.0 - ALMOST_ALL) * energy
