@@ -58,6 +58,7 @@ def write_diagnosis(
         version=__version__,
         sentence=sentence(found),
         gap={"rmse": f"{found.rmse:.3g}", "noise_floor": f"{found.noise_floor:.3g}", "recalibration": _percent(found.closed_by_recalibration)},
+        hums=found.choice.hum > 0.0,
         samples=found.signals.x.size,
         unit=found.signals.unit,
         places=[

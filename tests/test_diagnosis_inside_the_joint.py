@@ -23,6 +23,7 @@ from hystbench.diagnosis.recording.roughness import roughness
 from hystbench.diagnosis.recording.signals import Signals
 from hystbench.diagnosis.result import Diagnosis
 from hystbench.diagnosis.wording import sentence
+from hystbench.reports.diagnosis_page import write_diagnosis
 
 Floats = NDArray[np.float64]
 NOISE = 0.012
@@ -312,12 +313,15 @@ def test_one_of_two_effects_that_do_the_same_beside_errors_is_ambiguous_and_not_
 # ---- a hum -------------------------------------------------------------------------------------------------------------
 
 
-def test_a_hum_that_passes_for_noise_is_told_with_its_frequency() -> None:
+def test_a_hum_that_passes_for_noise_is_told_with_its_frequency(tmp_path: Path) -> None:
     found = diagnosed(joint(X) + 0.05 * np.sin(2.0 * np.pi * 31.0 * TIME))
     assert found.verdict == ["unknown"]
     assert found.choice.hum == pytest.approx(31.0, abs=0.3)
     assert "hum" in sentence(found)
     assert any("shield or filter" in note for note in found.notes)
+    write_diagnosis(found, tmp_path, None, ["real.csv"], ["sim.csv"])
+    page = (tmp_path / "diagnosis.html").read_text(encoding="utf-8")
+    assert "Nothing beyond the noise and the hum to locate" in page
 
 
 @pytest.mark.parametrize("frequency", [49.97, 50.02, 49.4, 0.37 * 100.0])
