@@ -49,8 +49,8 @@ class Placing:
         self._extent, self._motion, self._target, self._sign = extent, motion, target, sign
         self._rows = _rows(motion)
         self._thin = motion.at(self._rows)
-        self._tried: dict[str, Floats] = {}
-        """Those to choose from of each kind, which stay the same beside others."""
+        self._choices: dict[str, tuple[Floats, Floats]] = {}
+        """Sizes and columns of those to choose from of each kind, which stay the same beside others."""
 
     def placed(self, kinds: Mapping[str, Kind], beside: Floats, enough: float = EXACT) -> dict[str, Floats]:
         """Elements of each of these kinds that do so beside free columns (n, any), until that is ``enough``.
@@ -75,10 +75,14 @@ class Placing:
 
         def maker_of(name: str, kind: Kind) -> _Maker:
             made = self._columns_of(kind)
-            if name not in self._tried:
-                self._tried[name] = made(_within(kind, self._extent))
+            assert kind.limits is not None
+            limits = kind.limits(self._extent)
+            if name not in self._choices:
+                sizes = np.clip(kind.sizes(self._extent), *limits)
+                self._choices[name] = sizes, made(sizes)
+            sizes, columns = self._choices[name]
             sign = self._sign if kind.one_sign else 0.0
-            return _Maker(kind, self._extent, beyond(self._tried[name]), lambda sizes: beyond(made(sizes)), goal, sign)
+            return _Maker(kind, limits, (sizes, beyond(columns)), lambda sizes: beyond(made(sizes)), goal, sign)
 
         better: dict[str, Floats] = {}
         least = float(np.linalg.norm(goal))
@@ -113,12 +117,6 @@ def _rows(motion: Motion) -> NDArray[np.intp]:
     return np.unique(rows)
 
 
-def _within(kind: Kind, extent: Extent) -> Floats:
-    """Sizes (k, m) of the elements to choose from, within their limits."""
-    assert kind.limits is not None
-    return np.clip(kind.sizes(extent), *kind.limits(extent))
-
-
 class _Maker:
     """Elements of one kind, all of whose sizes are moved by least squares, on a scale of logarithms but for signed ones.
 
@@ -126,15 +124,19 @@ class _Maker:
     """
 
     def __init__(
-        self, kind: Kind, extent: Extent, tried: Floats, columns: Callable[[Floats], Floats], goal: Floats, sign: float
+        self,
+        kind: Kind,
+        limits: Floats,
+        choices: tuple[Floats, Floats],
+        columns: Callable[[Floats], Floats],
+        goal: Floats,
+        sign: float,
     ) -> None:
-        assert kind.limits is not None
-        limits = kind.limits(extent)
         self._signed, self._unit = np.isin(np.arange(kind.width), kind.signed), limits[1]
         self._low, self._high = self._logs(limits)
         self._first = ~np.isin(np.arange(self._low.size), kind.later)
         self._hopeless_at_first = COSTLY if kind.timed else HOPELESS
-        self._starts, self._tried = self._logs(_within(kind, extent)), tried
+        self._starts, self._tried = self._logs(choices[0]), choices[1]
         self._goal = goal
         self._sign = sign
         # From one derivative to the next only the sizes of one element differ.
