@@ -20,6 +20,8 @@ from hystbench.bench.cells import fitted_on
 from hystbench.datasets import Dataset, DatasetUnavailableError, Recording, concatenate
 from hystbench.datasets.recording_files import DEFAULT_TIME, DEFAULT_X, write_recording
 from hystbench.diagnosis.blind.cases import DEVELOPMENT_PLANTS
+from hystbench.diagnosis.blind.plant import Case
+from hystbench.diagnosis.blind.plants import make
 from hystbench.diagnosis.diagnosis import _is_better, diagnose
 from hystbench.diagnosis.excitation import design_next, margins
 from hystbench.diagnosis.from_benchmark import diagnose_model, gap_signals
@@ -283,6 +285,24 @@ def test_effects_that_mostly_cancel_are_named_where_they_close_the_gap_by_themse
     assert set(case.effects) == {"viscous_friction", "sensor_delay"}
     assert found.choice.features["largest"] > 2.0 * found.choice.features["gap"]
     assert set(found.verdict) == set(case.effects)
+
+
+@pytest.mark.parametrize(
+    ("effects", "ratio", "motion", "seed"),
+    [
+        (("viscous_friction", "sensor_delay"), 4.0, "rich", 5_000_222),
+        (("torque_offset", "deflection_offset"), 8.0, "sweeps", 5_000_849),
+    ],
+)
+def test_effects_that_cancel_until_little_more_than_noise_is_left_are_named(
+    effects: tuple[str, ...], ratio: float, motion: str, seed: int
+) -> None:
+    """What is left is so near the noise that they cannot be seen to close almost all of it."""
+    found = diagnose(make(Case("slip", effects, ratio, 0.0, motion, seed)).signals)
+    features = found.choice.features
+    assert features["gap"] < 3.0 and features["largest"] > 2.0 * features["gap"]
+    assert features["closed_alone"] < 0.95
+    assert set(found.verdict) == set(effects)
 
 
 def test_an_effect_is_named_though_the_simulators_errors_hide_a_part_of_it() -> None:
