@@ -300,8 +300,24 @@ def test_effects_that_cancel_until_little_more_than_noise_is_left_are_named(
     """What is left is so near the noise that they cannot be seen to close almost all of it."""
     found = diagnose(make(Case("slip", effects, ratio, 0.0, motion, seed)).signals)
     features = found.choice.features
-    assert features["gap"] < 3.0 and features["largest"] > 2.0 * features["gap"]
+    assert features["gap"] < 3.0
+    assert features["largest"] > 2.0 * features["gap"]
     assert features["closed_alone"] < 0.95
+    assert set(found.verdict) == set(effects)
+
+
+@pytest.mark.parametrize(
+    ("effects", "seed"),
+    [
+        (("stiffness_asymmetry", "cyclic_softening"), 5_000_369),
+        (("cyclic_softening", "load_dependent_friction"), 5_000_825),
+    ],
+)
+def test_two_effects_do_not_lose_to_two_others_for_a_simulator_that_they_do_not_need(
+    effects: tuple[str, ...], seed: int
+) -> None:
+    """Beside a simulator that is off they fit a trace better than beside an exact one, and paid the price of that."""
+    found = diagnose(make(Case("slip", effects, 4.0, 0.0, "sweeps", seed)).signals)
     assert set(found.verdict) == set(effects)
 
 
