@@ -23,7 +23,7 @@ from .clocks import OtherClock, follows_another_clock
 from .imitation import Image, imaged_by, imitations, without_image
 from .one_factor import as_one_factor, factor_of_all, is_too_large
 from .own_errors import OwnErrors, needs_largest, rather_errors, rather_off, rather_two
-from .parsimony import beside_exact, fewest, hardly_worse, simplest
+from .parsimony import fewest, hardly_worse, simplest
 from .priors import prior
 from .rivals import SAME_BY_EYE, TEMPERATURE, effective_share, is_nested, is_poor, recalibration_rivals, weigh
 
@@ -143,23 +143,11 @@ def _as_itself(evidence: Evidence, hypothesis: Hypothesis, size: float) -> Hypot
     return replace(hypothesis, beside_exact=None) if close and prior(evidence, close, size) == -np.inf else hypothesis
 
 
-def _beside_likelier(evidence: Evidence, hypothesis: Hypothesis, size: float) -> Hypothesis:
-    """Several effects beside an exact simulator where one that is off brings less evidence than it costs."""
-    if len(hypothesis.terms) < 2 or not evidence.is_beside_refit(hypothesis):
-        return hypothesis
-    exact = beside_exact(evidence, hypothesis)
-    if exact.images:
-        return hypothesis
-    gain = exact.score + prior(evidence, exact, size) - hypothesis.score - prior(evidence, hypothesis, size)
-    return replace(exact, by_scale={**hypothesis.by_scale, **exact.by_scale}) if gain > 0.0 else hypothesis
-
-
 def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     floor = evidence.sigma
     energy = max(float(np.mean(np.square(evidence.gap))) - floor**2, 1e-6 * floor**2)
     size = max(rms(evidence.gap), floor)
     found = [_as_itself(evidence, h, size) for h in found if np.isfinite(prior(evidence, h, size))]
-    found = [_beside_likelier(evidence, h, size) for h in found]
     likely = {id(h): h.score + prior(evidence, h, size) for h in found}
     ranked = sorted(found, key=lambda h: -likely[id(h)])
     simple = simplest(evidence, ranked, energy)
