@@ -9,6 +9,7 @@ import numpy as np
 
 from ..hypotheses.adequacy import ALMOST_ALL, INEXACT_NEAR, is_adequate, left_by
 from ..hypotheses.evidence import Evidence, Hypothesis, is_refitted
+from ..hypotheses.heldout import held_out
 
 __all__ = ["beside_exact", "fewest", "hardly_worse", "in_place_of", "simplest", "special_cases"]
 
@@ -50,7 +51,11 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
         laws = [known.terms, *([known.beside_exact.terms] if known.beside_exact else ())]
         fitted = min((evidence.fit(terms, (top.scale,)) for terms in laws), key=lambda h: h.rss)
         fitted.by_scale, fitted.beside_exact = known.by_scale, known.beside_exact
-        return fitted, (fitted.rss - top.rss) / evidence.size / energy
+        return fitted, (left_of(fitted) - left_of(top)) / energy
+
+    def left_of(hypothesis: Hypothesis) -> float:
+        """Mean square left over; beside a model that was fitted to the joint, which bends to anything, on unseen samples."""
+        return _left_unseen(evidence, hypothesis) if evidence.fitted else hypothesis.rss / evidence.size
 
     def does_without_refit(names: frozenset[str], fewer: frozenset[str]) -> bool:
         """Whether effects beside an exact simulator explain the gap better than fewer do beside one that is off."""
@@ -90,7 +95,7 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
                     options.append((loss, other))
         if options:
             best, changed = min(options, key=lambda option: option[0])[1], True
-    if best is top:
+    if best is top or evidence.fitted:
         return best
     # What little was left out may be the simulator's: the rest is judged beside the simulator that suits it.
     own = by_names[best.names]
@@ -99,6 +104,12 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
     before = ranked[: ranked.index(by_names[best.names])]
     rival = next((h for h in before if 0 < len(h.terms) <= len(best.terms) and special_cases(h) != best.names), own)
     return rival if rival.score > own.score else own
+
+
+def _left_unseen(evidence: Evidence, hypothesis: Hypothesis) -> float:
+    """Mean square that a hypothesis and the refitted simulator leave where no fit saw the gap."""
+    held, rows = held_out(evidence, hypothesis), evidence.rows
+    return float(np.mean(np.square(evidence.gap - (held.signal + held.recalibration)[rows])))
 
 
 def special_cases(hypothesis: Hypothesis) -> frozenset[str]:
