@@ -73,11 +73,9 @@ def test_several_small_errors_of_a_simulator_are_no_gain(seed: int) -> None:
     assert found.verdict == ["miscalibration"]
 
 
-@pytest.mark.parametrize(("factor", "verdicts"), [(1.0, [{"miscalibration"}]), (0.88, GAINS), (1.12, GAINS)])
+@pytest.mark.parametrize("factor", [0.8, 0.88, 1.0, 1.12, 1.25])
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_a_factor_beyond_what_parameters_off_by_a_few_per_cent_make_is_a_gain(
-    factor: float, verdicts: list[set[str]], seed: int
-) -> None:
+def test_a_factor_beyond_what_parameters_off_by_a_few_per_cent_make_is_a_gain(factor: float, seed: int) -> None:
     time, x = swelling()
     rng = np.random.default_rng(seed)
     errors = 1.0 + rng.choice([-1.0, 1.0], 4) * rng.uniform(0.03, 0.05, 4)
@@ -87,7 +85,26 @@ def test_a_factor_beyond_what_parameters_off_by_a_few_per_cent_make_is_a_gain(
         return off[0] * 4.0 * x + off[1] * 0.6 * x**3 + off[2] * stiff + off[3] * soft
 
     found = diagnose(signals_of(time, x, factor * joint(errors), joint(np.ones(4)), seed))
-    assert set(found.verdict) in verdicts
+    if factor == 1.0:
+        assert found.verdict == ["miscalibration"]
+        assert found.ambiguous == []
+    elif abs(factor - 1.0) > 0.15:
+        assert set(found.verdict) in GAINS
+    else:
+        # Errors of exponents and preloads make such a factor as well.
+        assert set(found.verdict) in GAINS or found.ambiguous == [["miscalibration", "torque_gain"]]
+
+
+def test_exponents_that_are_off_make_no_gain() -> None:
+    time, x = swelling()
+
+    def joint(stiffness: float, exponent: float, friction: float) -> Floats:
+        return stiffness * np.sinh(exponent * x) + sliders(x, ((6.0 * friction, 0.12), (2.0 * friction, 0.15)))
+
+    found = diagnose(signals_of(time, x, joint(1.04, 2.1, 0.96), joint(1.0, 2.0, 1.0)))
+    factor = float(np.polyfit(found.signals.y_sim, found.signals.gap, 1)[0])
+    assert factor > 0.08
+    assert found.verdict == ["miscalibration"]
 
 
 def test_an_asymmetric_spring_that_is_off_brings_no_offset() -> None:
@@ -271,6 +288,34 @@ def test_two_effects_keep_their_laws_beside_an_exact_simulator(seed: int) -> Non
     case, found = developed(seed)
     assert len(case.effects) == 2
     assert set(found.verdict) == set(case.effects)
+
+
+@pytest.mark.parametrize("seed", [5_000_419, 5_200_230])
+def test_two_effects_do_not_pay_for_errors_of_the_simulator_that_bring_less_than_they_cost(seed: int) -> None:
+    case, found = developed(seed, *DEVELOPMENT_PLANTS)
+    assert len(case.effects) == 2
+    assert set(found.verdict) == set(case.effects)
+
+
+def test_an_offset_that_settles_for_ever_is_the_constant_that_does_as_well() -> None:
+    """Beside another effect it left nothing, so that no other law was tried; at the end of its range it is a drift's image."""
+    case, found = developed(5_700_055, *DEVELOPMENT_PLANTS)
+    assert set(case.effects) == {"torque_offset", "cyclic_softening"}
+    assert set(found.verdict) == set(case.effects)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_slow_error_of_an_encoder_and_an_offset_are_told_from_a_slower_error(seed: int) -> None:
+    """Two harmonics that are as slow as can be make both, and leave nothing."""
+    time, x = swelling()
+    x = 2.5 / np.max(np.abs(x)) * x
+
+    def gear(angle: Floats) -> Floats:
+        return 3.0 * np.sin(0.9 * angle) + 0.6 * angle + sliders(angle - angle[0], ((4.0, 0.1), (1.5, 0.2)))
+
+    read_wrong = x + 0.02 + 0.05 * np.sin(x + 0.7)
+    found = diagnose(signals_of(time, x, gear(read_wrong), gear(x), seed, 0.03))
+    assert set(found.verdict) == {"encoder_eccentricity", "deflection_offset"}
 
 
 def test_a_law_that_was_chosen_beside_what_is_dropped_is_chosen_again() -> None:

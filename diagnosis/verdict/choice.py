@@ -20,11 +20,11 @@ from ..recording.roughness import roughness
 from ..recording.spikes import OUTLIERS, spikes
 from .calibration import CONFIDENCE, confidence
 from .clocks import OtherClock, follows_another_clock
-from .imitation import Image, imaged_by, imitations, without_image
-from .one_factor import as_one_factor, factor_of_all, is_too_large
+from .imitation import Image, imaged_by, imitations, within_range, without_image
+from .one_factor import as_one_factor, factor_of_all, is_too_large, may_be_a_factor
 from .own_errors import OwnErrors, needs_largest, rather_errors, rather_off, rather_two
 from .parsimony import fewest, hardly_worse, simplest
-from .priors import prior
+from .priors import STANDS_IN, prior
 from .rivals import SAME_BY_EYE, TEMPERATURE, effective_share, is_nested, is_poor, recalibration_rivals, weigh
 
 __all__ = ["ENOUGH", "Choice", "choose"]
@@ -61,6 +61,8 @@ FACTOR = 0.75
 """The same that a factor which the usual errors do not make is a gain: 15 of 19 on strangers' joints."""
 BARELY = 1.2
 """Gap over noise up to which it is not asked how much of it is closed: noise decides that."""
+LOOKS = 2
+"""Sets of effects that are left out in turn where their laws run to the end of their range only on all samples."""
 SAME_JOINT = 0.006
 """Neither is a gap of this share of the torque that is hardly above the noise and needs no effect."""
 RECALIBRATION_WORTH = 0.06
@@ -120,15 +122,27 @@ class Choice:
 def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     """Weigh the hypotheses (the empty one first) and state the verdict."""
     choice = _chosen(evidence, found)
-    if any(image.term.is_an_image for image in choice.images):
-        # What a law at the end of its range is the image of may be known, and explain the gap itself.
-        again = _chosen(evidence, [without_image(h) for h in found if not h.images])
-        if again.verdict != [UNKNOWN] and (
-            again.hypothesis.names in imaged_by(choice.hypothesis)
-            or _is_as_good(evidence, again.hypothesis, choice.hypothesis)
-        ):
-            return again
+    own = choice.hypothesis
+    if not _is_an_image(choice):
+        return choice
+    # What a law at the end of its range is the image of may be known, and explain the gap itself; or another law does.
+    better = {h.names: h for h in within_range(evidence, own, found)}
+    inside = [*(without_image(h) for h in found if not h.images and h.names not in better), *better.values()]
+    again = _chosen(evidence, inside)
+    for _ in range(LOOKS):
+        if not _is_an_image(again):
+            break
+        inside = [h for h in inside if h.names != again.hypothesis.names]
+        again = _chosen(evidence, inside)
+    other = again.hypothesis
+    known = other.names < own.names or other.names in imaged_by(own)
+    if again.verdict != [UNKNOWN] and (known or _is_as_good(evidence, other, own)):
+        return again
     return choice
+
+
+def _is_an_image(choice: Choice) -> bool:
+    return any(image.term.is_an_image for image in choice.images)
 
 
 def _is_as_good(evidence: Evidence, one: Hypothesis, other: Hypothesis) -> bool:
@@ -143,12 +157,24 @@ def _as_itself(evidence: Evidence, hypothesis: Hypothesis, size: float) -> Hypot
     return replace(hypothesis, beside_exact=None) if close and prior(evidence, close, size) == -np.inf else hypothesis
 
 
+def _odds(evidence: Evidence, hypothesis: Hypothesis, size: float) -> float:
+    """Logarithm of a hypothesis' odds, or of those of the same effects beside an exact simulator where these are better.
+
+    What a simulator that is off costs may be more than it brings. But what errors of all its parameters nearly make is no
+    cheaper without them.
+    """
+    own, close = hypothesis.score + prior(evidence, hypothesis, size), hypothesis.beside_exact
+    if close is None or close.images or not hypothesis.names.isdisjoint(STANDS_IN):
+        return own
+    return max(own, close.score + prior(evidence, close, size))
+
+
 def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     floor = evidence.sigma
     energy = max(float(np.mean(np.square(evidence.gap))) - floor**2, 1e-6 * floor**2)
     size = max(rms(evidence.gap), floor)
     found = [_as_itself(evidence, h, size) for h in found if np.isfinite(prior(evidence, h, size))]
-    likely = {id(h): h.score + prior(evidence, h, size) for h in found}
+    likely = {id(h): _odds(evidence, h, size) for h in found}
     ranked = sorted(found, key=lambda h: -likely[id(h)])
     simple = simplest(evidence, ranked, energy)
     best = rather_errors(evidence, found, fewest(evidence, ranked, simple, energy))
@@ -318,9 +344,12 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     if step > 0.0 or frequency > 0.0 or rough > 0.0 or standing_out > OUTLIERS:
         # They pass for noise, but a finer or better shielded sensor, or a denser recording, would tell or close them.
         verdict = [UNKNOWN]
+    rivals = recalibration_rivals(evidence, verdict, best, own, found, tempered)
+    if verdict == [MISCALIBRATION] and not evidence.fitted and may_be_a_factor(evidence, energy):
+        rivals = sorted({*rivals, *(GAIN for h in found if GAIN in h.names)})
     return Choice(
         verdict, stated, best, held, miscalibrated, left / gap_power, features,
-        posterior, odds, list(field.ranked), recalibration_rivals(evidence, verdict, best, own, found, tempered), tempered,
+        posterior, odds, list(field.ranked), rivals, tempered,
         step, frequency, standing_out, rough, images, clock, strained, factor,
     )  # fmt: skip
 
