@@ -73,9 +73,11 @@ def test_several_small_errors_of_a_simulator_are_no_gain(seed: int) -> None:
     assert found.verdict == ["miscalibration"]
 
 
-@pytest.mark.parametrize("factor", [0.8, 0.88, 1.0, 1.12, 1.25])
+@pytest.mark.parametrize(("factor", "verdicts"), [(1.0, [{"miscalibration"}]), (0.88, GAINS), (1.12, GAINS)])
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_a_factor_beyond_what_parameters_off_by_a_few_per_cent_make_is_a_gain(factor: float, seed: int) -> None:
+def test_a_factor_beyond_what_parameters_off_by_a_few_per_cent_make_is_a_gain(
+    factor: float, verdicts: list[set[str]], seed: int
+) -> None:
     time, x = swelling()
     rng = np.random.default_rng(seed)
     errors = 1.0 + rng.choice([-1.0, 1.0], 4) * rng.uniform(0.03, 0.05, 4)
@@ -85,14 +87,7 @@ def test_a_factor_beyond_what_parameters_off_by_a_few_per_cent_make_is_a_gain(fa
         return off[0] * 4.0 * x + off[1] * 0.6 * x**3 + off[2] * stiff + off[3] * soft
 
     found = diagnose(signals_of(time, x, factor * joint(errors), joint(np.ones(4)), seed))
-    if factor == 1.0:
-        assert found.verdict == ["miscalibration"]
-        assert found.ambiguous == []
-    elif abs(factor - 1.0) > 0.15:
-        assert set(found.verdict) in GAINS
-    else:
-        # Errors of exponents and preloads make such a factor as well.
-        assert set(found.verdict) in GAINS or found.ambiguous == [["miscalibration", "torque_gain"]]
+    assert set(found.verdict) in verdicts
 
 
 def test_exponents_that_are_off_make_no_gain() -> None:
@@ -105,6 +100,8 @@ def test_exponents_that_are_off_make_no_gain() -> None:
     factor = float(np.polyfit(found.signals.y_sim, found.signals.gap, 1)[0])
     assert factor > 0.08
     assert found.verdict == ["miscalibration"]
+    # A factor of a torque sensor and errors of 3 to 5 % could make it as well.
+    assert ["miscalibration", "torque_gain"] in found.ambiguous
 
 
 def test_an_asymmetric_spring_that_is_off_brings_no_offset() -> None:

@@ -21,7 +21,7 @@ from ..recording.spikes import OUTLIERS, spikes
 from .calibration import CONFIDENCE, confidence
 from .clocks import OtherClock, follows_another_clock
 from .imitation import Image, imaged_by, imitations, within_range, without_image
-from .one_factor import as_one_factor, factor_of_all, is_too_large, may_be_a_factor
+from .one_factor import as_one_factor, factor_of_all, may_be_a_factor
 from .own_errors import OwnErrors, needs_largest, rather_errors, rather_off, rather_two
 from .parsimony import fewest, hardly_worse, simplest
 from .priors import STANDS_IN, prior
@@ -327,7 +327,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     if blamed:
         # Little is left over, which says otherwise that the verdict ought to be another.
         stated = max(stated, IMAGED)
-    if best.names == {GAIN} and GAIN in verdict and is_too_large(evidence, energy):
+    if best.names == {GAIN} and GAIN in verdict and may_be_a_factor(evidence, energy):
         stated = max(stated, FACTOR)
     if verdict and verdict != [UNKNOWN] and not evidence.fitted:
         crowded = len(verdict) > 2 and MISCALIBRATION in verdict
