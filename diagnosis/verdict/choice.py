@@ -160,11 +160,11 @@ def _as_itself(evidence: Evidence, hypothesis: Hypothesis, size: float) -> Hypot
 def _odds(evidence: Evidence, hypothesis: Hypothesis, size: float) -> float:
     """Logarithm of a hypothesis' odds, or of those of the same effects beside an exact simulator where these are better.
 
-    What a simulator that is off costs may be more than it brings. But what errors of all its parameters nearly make is no
-    cheaper without them.
+    What a simulator that is off costs several effects may be more than it brings. But what errors of all its parameters nearly
+    make is no cheaper without them.
     """
     own, close = hypothesis.score + prior(evidence, hypothesis, size), hypothesis.beside_exact
-    if close is None or close.images or not hypothesis.names.isdisjoint(STANDS_IN):
+    if len(hypothesis.terms) < 2 or close is None or close.images or not hypothesis.names.isdisjoint(STANDS_IN):
         return own
     return max(own, close.score + prior(evidence, close, size))
 
