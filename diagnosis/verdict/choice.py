@@ -344,9 +344,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     if step > 0.0 or frequency > 0.0 or rough > 0.0 or standing_out > OUTLIERS:
         # They pass for noise, but a finer or better shielded sensor, or a denser recording, would tell or close them.
         verdict = [UNKNOWN]
-    rivals = recalibration_rivals(evidence, verdict, best, own, found, tempered)
-    if verdict == [MISCALIBRATION] and not evidence.fitted and may_be_a_factor(evidence, energy):
-        rivals = sorted({*rivals, *(GAIN for h in found if GAIN in h.names)})
+    rivals = recalibration_rivals(evidence, verdict, best, own, found, tempered, energy)
     return Choice(
         verdict, stated, best, held, miscalibrated, left / gap_power, features,
         posterior, odds, list(field.ranked), rivals, tempered,

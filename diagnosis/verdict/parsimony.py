@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -51,11 +52,15 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
         laws = [known.terms, *([known.beside_exact.terms] if known.beside_exact else ())]
         fitted = min((evidence.fit(terms, (top.scale,)) for terms in laws), key=lambda h: h.rss)
         fitted.by_scale, fitted.beside_exact = known.by_scale, known.beside_exact
-        return fitted, (left_of(fitted) - left_of(top)) / energy
+        return fitted, (left_of(fitted) - left_of_top()) / energy
 
     def left_of(hypothesis: Hypothesis) -> float:
         """Mean square left over; beside a model that was fitted to the joint, which bends to anything, on unseen samples."""
         return _left_unseen(evidence, hypothesis) if evidence.fitted else hypothesis.rss / evidence.size
+
+    @functools.cache
+    def left_of_top() -> float:
+        return left_of(top)
 
     def does_without_refit(names: frozenset[str], fewer: frozenset[str]) -> bool:
         """Whether effects beside an exact simulator explain the gap better than fewer do beside one that is off."""

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..hypotheses.evidence import Evidence, Hypothesis, is_refitted
-from ..names import MISCALIBRATION
+from ..names import GAIN, MISCALIBRATION
 from ..recording.signals import Signals
+from .one_factor import may_be_a_factor
 from .parsimony import special_cases
 from .priors import BESIDE_OFF, COMPANY_COST, EFFECT_COST, IDLE, STANDS_IN
 
@@ -82,6 +83,7 @@ def recalibration_rivals(
     own: float,
     found: Sequence[Hypothesis],
     tempered: float,
+    energy: float,
 ) -> list[str]:
     """Effects that a miscalibrated simulator would imitate, or be imitated by, on this recording."""
     blank = next(h for h in found if not h.terms)
@@ -102,11 +104,12 @@ def recalibration_rivals(
         return max(scores, default=-np.inf)
 
     if verdict == [MISCALIBRATION]:
+        factor = {GAIN} if not evidence.fitted and may_be_a_factor(evidence, energy) else set()
         return sorted(
             name
             for h in found
             for name in h.names
-            if len(h.names) == 1 and beside_exact(h) - EFFECT_COST - best.score > least(h.names)
+            if len(h.names) == 1 and (h.names == factor or beside_exact(h) - EFFECT_COST - best.score > least(h.names))
         )
     return []
 
