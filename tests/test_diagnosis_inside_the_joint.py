@@ -73,6 +73,15 @@ def gap_off_centre(middle: float, half: float) -> Floats:
     return joint(X - np.clip(X - middle, -half, half) + np.clip(-middle, -half, half))
 
 
+def ahead(half: float) -> Floats:
+    """How far the motion is ahead of what it drags through a clearance of ±``half``."""
+    at, out = 0.0, np.zeros_like(X)
+    for i, x in enumerate(X):
+        at = min(max(at, x - half), x + half)
+        out[i] = x - at
+    return out
+
+
 def swinging(inertia: float, frequency: float, damping: float) -> Floats:
     """Torque of a mass that swings on a compliance driven by the motion, from its equation of motion."""
     mass = ([inertia * frequency**2, 0.0, 0.0], [1.0, 2.0 * damping * frequency, frequency**2])
@@ -103,6 +112,17 @@ def creeping_in_series(stiffness: float, tau: float, substeps: int = 4) -> Float
     return out
 
 
+def yielding(y: Floats, tau: float, level: float, substeps: int = 20) -> Floats:
+    """What of ``y`` a dashpot by Eyring has let go, which yields the faster the more it is loaded over ``level``."""
+    gone, out = 0.0, np.zeros_like(y)
+    for i in range(1, y.size):
+        for k in range(substeps):
+            load = y[i - 1] + (y[i] - y[i - 1]) * k / substeps - gone
+            gone += STEP / substeps / tau * level * np.sinh(load / level)
+        out[i] = gone
+    return out
+
+
 def rubbed_warm(tau: float) -> Floats:
     """Temperature by friction's losses against cooling, from 0 to about 1."""
     power = np.abs(friction(X) * SPEED)
@@ -120,6 +140,11 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
     "a spring that wears": ("cyclic_softening", lambda: spring(X) * (1.0 - 0.15 * np.sqrt(TRAVEL / TRAVEL[-1])) + friction(X)),
     "a quadratic spring": ("stiffness_asymmetry", lambda: joint(X) + 0.35 * X**2),
     "a gap off the centre": ("backlash", lambda: gap_off_centre(0.2, 0.05)),
+    "keys that are loose behind the bearings": ("backlash", lambda: spring(X - ahead(0.02)) + friction(X)),
+    "a gap off the centre behind the seals": (
+        "backlash", lambda: spring(X - np.clip(X - 0.6, -0.1, 0.1) - 0.1) + friction(X)
+    ),
+    "a polymer that yields under load": ("stress_relaxation", lambda: joint(X) - 0.12 * yielding(spring(X), 2.0, 1.5)),
     "thinning grease": ("viscous_friction", lambda: joint(X) + 0.15 * np.arcsinh(SPEED / 0.6)),
     "saturating grease": ("viscous_friction", lambda: joint(X) + 0.2 * np.arctan(SPEED / 0.9)),
     "a gear's efficiency": ("load_dependent_friction", lambda: gear(0.1, 0.06)),
@@ -259,6 +284,18 @@ def test_a_spring_that_relaxes_with_its_preload_needs_no_offset_besides() -> Non
         relaxed += lfilter([1.0 - kept], [1.0, -kept], spring(X) + 1.5, zi=[1.5 * kept])[0] / 8.0
     found = diagnose(signals(joint(X) + 1.5 - 0.1 * relaxed, y_sim=joint(X) + 1.5))
     assert found.verdict == ["stress_relaxation"]
+
+
+def test_what_relaxes_from_where_the_recording_began_needs_no_offset_besides() -> None:
+    begun = slice(int(np.argmax(X)), X.size)
+    time, x = TIME[begun], X[begun]
+    sim = spring(x) + friction(X)[begun]
+    kept = np.exp(-STEP / 1.2)
+    relaxed = lfilter([1.0 - kept], [1.0, -kept], sim - sim[0])
+    noise = NOISE * np.random.default_rng(5).standard_normal(x.size)
+    found = diagnose(Signals(time, x, sim - 0.1 * relaxed + noise, sim, [slice(0, x.size)], {}))
+    assert found.verdict == ["stress_relaxation"]
+    assert found.effects[0].law.endswith("of its rise")
 
 
 @pytest.mark.parametrize("pace", [0.01, 0.05])

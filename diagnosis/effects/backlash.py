@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 
 from ..operators.masses import free_flight
 from ..operators.memory import plays
-from .base import INPUT, Effect, Floats, Form, Parameter, Scene, geometric
+from .base import INPUT, Columns, Effect, Floats, Form, Parameter, Scene, geometric
 
 __all__ = ["Backlash"]
 
@@ -18,6 +20,7 @@ NEAR, MOVING, STEEP = 0.3, 1e-4, 0.9
 quantile of the slopes there that the steps rest on: too steep only makes them shorter."""
 AT_FLANK = 1e-6
 """Distance from a flank, over the clearance's half, that is contact."""
+OF_SPRING, IN_SPRING = "of the spring", "in the elastic part alone"
 FLANKS = np.linspace(-1.0, 1.0, 7)
 BEHIND = "x = x - g in all that does not follow speed or acceleration alone,  "
 IN_SERIES = (
@@ -35,32 +38,31 @@ IN_FLIGHT = (
 def _play(scene: Scene, shape: tuple[float, ...]) -> Floats:
     s = scene.signals
     width = np.array([0.5 * shape[0]])
-    return scene.torque_change(s.per_run(lambda run: plays(s.x[run], width)[:, 0]))[:, None]
+    return s.per_run(lambda run: plays(s.x[run], width)[:, 0])
 
 
 def _soft_play(scene: Scene, shape: tuple[float, ...]) -> Floats:
     # Flanks that yield: teeth or wires that meet one after the other.
     s, (width, softness) = scene.signals, shape
     halves = 0.5 * width * (1.0 + softness * FLANKS)
-    return scene.torque_change(s.per_run(lambda run: plays(s.x[run], halves).mean(axis=1)))[:, None]
+    return s.per_run(lambda run: plays(s.x[run], halves).mean(axis=1))
 
 
 def _gap(scene: Scene, shape: tuple[float, ...]) -> Floats:
     x, half = scene.signals.x, 0.5 * shape[0]
-    return scene.torque_change(x - np.clip(x, -half, half))[:, None]
-
-
-def _gap_of_spring(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    # Bearings and seals rub before the clearance, only the spring lies behind it.
-    x, half = scene.signals.x, 0.5 * shape[0]
-    return scene.spring_change(x - np.clip(x, -half, half))[:, None]
+    return x - np.clip(x, -half, half)
 
 
 def _gap_elsewhere(scene: Scene, shape: tuple[float, ...]) -> Floats:
     x, half, middle = scene.signals.x, 0.5 * shape[0], shape[1]
     # The joint was zeroed where it lay at rest.
-    across = np.clip(x - middle, -half, half) - np.clip(-middle, -half, half)
-    return scene.torque_change(x - across)[:, None]
+    return x - (np.clip(x - middle, -half, half) - np.clip(-middle, -half, half))
+
+
+def _gap_about(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    # It was zeroed at the flank that the gap's middle leaves it at.
+    x, half, middle = scene.signals.x, 0.5 * shape[0], shape[1]
+    return x - np.clip(x - middle, -half, half)
 
 
 def _middles(width: float) -> list[float]:
@@ -72,7 +74,17 @@ def _middles(width: float) -> list[float]:
 def _soft_gap(scene: Scene, shape: tuple[float, ...]) -> Floats:
     # The flanks are met gradually: tanh instead of clip.
     x, half = scene.signals.x, 0.5 * shape[0]
-    return scene.torque_change(x - half * np.tanh(x / half))[:, None]
+    return x - half * np.tanh(x / half)
+
+
+def _before(behind: Columns) -> Columns:
+    """What a clearance before the whole joint adds, with the deflection ``behind`` it."""
+    return lambda scene, shape: scene.torque_change(behind(scene, shape))[:, None]
+
+
+def _before_the_spring(behind: Columns) -> Columns:
+    """Bearings and seals rub before the clearance, only the spring lies behind it."""
+    return lambda scene, shape: scene.spring_change(behind(scene, shape))[:, None]
 
 
 def _across(scene: Scene, width: float) -> Floats:
@@ -168,6 +180,24 @@ def _flight(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.column_stack([np.where(free > 0.0, -scene.torque, change), hit])
 
 
+def _either(
+    name: str, behind: Columns, shapes: Sequence[str], grid: Sequence[tuple[float, ...]], limits: Sequence[tuple[float, float]],
+    equation: str, simpler: str = "", start: Callable[[tuple[float, ...], Floats], tuple[float, ...]] | None = None,
+) -> list[Form]:  # fmt: skip
+    """A clearance before the whole joint, and the same before its spring alone."""
+    whole = Form(
+        name, ("_unit",), _before(behind), (1.0,), (1.0,), shapes, grid, limits, (simpler,) if simpler else (), start,
+        equation=equation,
+    )  # fmt: skip
+    return [
+        whole,
+        replace(
+            whole, name=f"{name}, {OF_SPRING}", columns=_before_the_spring(behind), equation=f"{equation}, {IN_SPRING}",
+            refines=(f"{simpler}, {OF_SPRING}",) if simpler else (),
+        ),
+    ]  # fmt: skip
+
+
 class Backlash(Effect):
     """Clearance: after a turn the input moves a way before the load follows."""
 
@@ -177,8 +207,8 @@ class Backlash(Effect):
         "clearance that must be crossed after a turn, or around zero torque, before torque builds up"
     )
     equation: ClassVar[str] = (
-        "x → play(x; b/2) or the mean of plays from b/2 (1 − c) to b/2 (1 + c), x → x − clip(x − m, ±b/2) + clip(−m, ±b/2), "
-        "with m = 0 also in the elastic part of y_sim alone, x → x − b/2 tanh(2x/b), or x → x − g, g across ±b/2 where y passes "
+        "x → play(x; b/2) or the mean of plays from b/2 (1 − c) to b/2 (1 + c), x → x − clip(x − m, ±b/2), + clip(−m, ±b/2) if zeroed there, "
+        "x → x − b/2 tanh(2x/b), each also in the elastic part of y_sim alone, or x → x − g, g across ±b/2 where y passes "
         "zero (at once, as b/2 tanh(y/f), or a load of inertia J that swings across and hits)"
     )
     coordinate: ClassVar[str] = "distance_since_reversal"
@@ -198,23 +228,31 @@ class Backlash(Effect):
         grid = [(b,) for b in geometric(0.0015 * reach, 0.5 * reach, 13)]
         few = grid[4::2]
         limits = [(5e-4 * reach, reach)]
+        elsewhere = [*limits, (-0.6 * reach, 0.6 * reach)]
+        at = "x = x - clip(x - middle, -clearance / 2, clearance / 2) + clip(-middle, -clearance / 2, clearance / 2)"
         strong = float(np.std(scene.torque))
         return [
-            Form("lost motion at turns", ("_unit",), _play, (1.0,), (1.0,), ("clearance",), grid, limits,
-                 equation="x = play(x, clearance / 2)"),
-            Form("lost motion at turns, soft flanks", ("_unit",), _soft_play, (1.0,), (1.0,), ("clearance", "softness"), (),
-                 [*limits, (0.05, 1.0)], ("lost motion at turns",), lambda shape, coefficients: (shape[0], 0.5),
-                 equation="x = plays(x, clearance / 2 * (1 - softness), clearance / 2 * (1 + softness))"),
-            Form("gap around zero", ("_unit",), _gap, (1.0,), (1.0,), ("clearance",), grid[2::2], limits,
-                 equation="x = x - clip(x, -clearance / 2, clearance / 2)"),
-            Form("gap around zero, of the spring", ("_unit",), _gap_of_spring, (1.0,), (1.0,), ("clearance",), grid[2::2], limits,
-                 equation="x = x - clip(x, -clearance / 2, clearance / 2), in the elastic part alone"),
-            Form("gap elsewhere", ("_unit",), _gap_elsewhere, (1.0,), (1.0,), ("clearance", "middle"),
+            *_either("lost motion at turns", _play, ("clearance",), grid, limits, "x = play(x, clearance / 2)"),
+            *_either("lost motion at turns, soft flanks", _soft_play, ("clearance", "softness"), (), [*limits, (0.05, 1.0)],
+                     "x = plays(x, clearance / 2 * (1 - softness), clearance / 2 * (1 + softness))",
+                     "lost motion at turns", lambda shape, coefficients: (shape[0], 0.5)),
+            *_either("gap around zero", _gap, ("clearance",), grid[2::2], limits,
+                     "x = x - clip(x, -clearance / 2, clearance / 2)"),
+            Form("gap elsewhere", ("_unit",), _before(_gap_elsewhere), (1.0,), (1.0,), ("clearance", "middle"),
                  [(b * reach, side * m * reach) for b in (0.02, 0.05, 0.12, 0.3) for m in _middles(b) for side in (-1.0, 1.0)],
-                 [*limits, (-0.6 * reach, 0.6 * reach)],
-                 equation="x = x - clip(x - middle, -clearance / 2, clearance / 2) + clip(-middle, -clearance / 2, clearance / 2)"),
-            Form("soft gap", ("_unit",), _soft_gap, (1.0,), (1.0,), ("clearance",), (), limits, ("gap around zero",),
-                 equation="x = x - clearance / 2 * tanh(2 * x / clearance)"),
+                 elsewhere, equation=at),
+            Form(f"gap elsewhere, {OF_SPRING}", ("_unit",), _before_the_spring(_gap_elsewhere), (1.0,), (1.0,),
+                 ("clearance", "middle"), (), elsewhere, (f"gap around zero, {OF_SPRING}", "gap elsewhere"),
+                 lambda shape, coefficients: (*shape, 0.0)[:2], equation=f"{at}, {IN_SPRING}"),
+            *(
+                Form(f"gap elsewhere, zeroed at a flank{told}", ("_unit",), before(_gap_about), (1.0,), (1.0,),
+                     ("clearance", "middle"), (), elsewhere, (f"gap elsewhere{told}", f"gap around zero{told}"),
+                     lambda shape, coefficients: (*shape, 0.0)[:2],
+                     equation="x = x - clip(x - middle, -clearance / 2, clearance / 2)" + inside)
+                for told, before, inside in (("", _before, ""), (f", {OF_SPRING}", _before_the_spring, f", {IN_SPRING}"))
+            ),
+            *_either("soft gap", _soft_gap, ("clearance",), (), limits, "x = x - clearance / 2 * tanh(2 * x / clearance)",
+                     "gap around zero"),
             Form("gap at zero torque", ("_unit",), _series, (1.0,), (1.0,), ("clearance",), few, limits, equation=IN_SERIES),
             Form("gap at zero torque, soft flanks", ("_unit",), _soft_series, (1.0,), (1.0,), ("clearance", "flank_torque"), (),
                  [*limits, (0.01 * strong, strong)], ("gap at zero torque",), lambda shape, coefficients: (shape[0], 0.1 * strong),

@@ -47,6 +47,12 @@ def _work(scene: Scene) -> Floats:
     return s.per_run(lambda run: np.cumsum(np.abs(scene.torque[run]) * np.abs(s.moved[run])))
 
 
+def _damage(scene: Scene) -> Floats:
+    """Miner's sum with the square of the load."""
+    s = scene.signals
+    return s.per_run(lambda run: np.cumsum(scene.torque[run] ** 2 * np.abs(s.moved[run])))
+
+
 def _losses(scene: Scene) -> Floats:
     """Work that does not come back: of the part with memory."""
     s, friction = scene.signals, scene.friction
@@ -74,7 +80,7 @@ class CyclicSoftening(Effect):
     summary: ClassVar[str] = "torque that falls with accumulated travel (Mullins effect, wear, damage)"
     equation: ClassVar[str] = (
         "y −= a w y_sim (or a part of it),  w = 1 − exp(−travel/L), travel/(L + travel), log(1 + travel/L), travel, "
-        "travel^p, reversals^p, 1 − exp(−∫|y dx|/W), the same of the losses, or 1 − exp(−reversals/N), log(1 + reversals/N)"
+        "travel^p, reversals^p, 1 − exp(−∫|y dx|/W), the same of ∫y² |dx| or of the losses, or 1 − exp(−reversals/N), log(1 + reversals/N)"
     )
     coordinate: ClassVar[str] = "travel"
     clock: ClassVar[str] = TRAVEL
@@ -91,6 +97,7 @@ class CyclicSoftening(Effect):
         ),
         Parameter("power", "1", 0.3, 3.0, "p of the travel or of the reversals, above one for damage that grows"),
         Parameter("work_constant", "J", 0.0, np.inf, "W, of the work ∫|y dx|"),
+        Parameter("damage_constant", "N²·m²·rad", 0.0, np.inf, "of the damage ∫y² |dx|"),
         Parameter("loss_constant", "J", 0.0, np.inf, "W', of the losses, the work ∮y dx of the part with memory"),
         Parameter("reversals_constant", "1", 0.0, np.inf, "N, half cycles after which 63 % of the loss has come"),
     )
@@ -130,6 +137,9 @@ class CyclicSoftening(Effect):
             *law("by work", "(1 - exp(-work / work_constant))", _exponential(_work), "work_constant",
                  [(share * work,) for share in (0.1, 0.4, 1.5)], (0.03 * work, 3.0 * work)),
         ]  # fmt: skip
+        damage = max(float(_damage(scene).max()), 1e-300)
+        made += law("by damage", "(1 - exp(-damage / damage_constant))", _exponential(_damage), "damage_constant",
+                    [(share * damage,) for share in (0.2, 0.8)], (0.03 * damage, 3.0 * damage))  # fmt: skip
         losses = float(_losses(scene).max())
         if losses > 0.0:
             made += law("by losses", "(1 - exp(-losses / loss_constant))", _exponential(_losses), "loss_constant",

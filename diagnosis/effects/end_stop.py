@@ -26,30 +26,39 @@ def _columns(upper: bool, lower: bool, power: float) -> Columns:
     return columns
 
 
-def _damped(side: float, power: float | None) -> Columns:
-    """A stop that loses energy: damping while it is touched, by depth (Hunt & Crossley) or not (``power`` None)."""
+def _damped(side: float) -> Columns:
+    """A stop that loses energy by a damper that is there while it is touched."""
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        signals = scene.signals
-        depth = np.maximum(side * signals.smooth_x - shape[0], 0.0)
-        if power is None:
-            return np.column_stack([side * depth, (depth > 0.0) * signals.speed])
-        return np.column_stack([side * depth**power, depth**power * signals.speed])
+        depth = np.maximum(side * scene.signals.smooth_x - shape[0], 0.0)
+        return np.column_stack([side * depth, (depth > 0.0) * scene.signals.speed])
 
     return columns
 
 
-def _both_damped(power: float) -> Columns:
-    """Two stops that lose energy, each by its own damping."""
+def _both_damped(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    up, down = _damped(1.0)(scene, shape[:1]), _damped(-1.0)(scene, shape[1:])
+    return np.column_stack([up[:, 0], down[:, 0], up[:, 1], down[:, 1]])
+
+
+def _contact(side: float, power: float | None = None) -> Columns:
+    """A stop that loses energy with its depth (Hunt & Crossley), by a power of it that is the last shape if it is not given."""
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        v = scene.signals.speed
-        up, down = (
-            np.maximum(scene.signals.smooth_x - shape[0], 0.0),
-            np.maximum(-scene.signals.smooth_x - shape[1], 0.0),
-        )
-        touched = (up > 0.0, down > 0.0) if power == 1.0 else (up**power, down**power)
-        return np.column_stack([up**power, -(down**power), touched[0] * v, touched[1] * v])
+        signals, p = scene.signals, shape[-1] if power is None else power
+        pressed = np.maximum(side * signals.smooth_x - shape[0], 0.0) ** p
+        return np.column_stack([side * pressed, pressed * signals.speed])
+
+    return columns
+
+
+def _both_contacts(power: float | None = None) -> Columns:
+    """Two such stops, each by its own damping."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        up = _contact(1.0, power)(scene, (shape[0], shape[-1]))
+        down = _contact(-1.0, power)(scene, (shape[1], shape[-1]))
+        return np.column_stack([up[:, 0], down[:, 0], up[:, 1], down[:, 1]])
 
     return columns
 
@@ -67,16 +76,19 @@ BUMPERS = (
     ("exponential", "(exp({depth} / thickness) - 1)", _progressive, 0.2),
 )
 """Stops that stiffen as they are pressed: their equation, and the thickness to start from as a share of the reach."""
+ANY = "Hunt-Crossley of any power"
+POWERS = (1.0, 2.5)
+"""Limits of a contact's power of its depth: from a plate's to a blunt tip's."""
 DEPTHS = {"upper": "maximum(x - upper, 0)", "lower": "maximum(-x - lower, 0)"}
 """How deep each stop is pressed, in equations."""
 
 
-def _term(side: str, power: float) -> str:
-    return f"stiffness_{side} * {DEPTHS[side]}" + ("" if power == 1.0 else f"**{power:g}")
+def _term(side: str, power: float | str) -> str:
+    return f"stiffness_{side} * {DEPTHS[side]}" + ("" if power == 1.0 else f"**{power}")
 
 
-def _lossy(side: str, power: float, damping: str) -> str:
-    touched = f"({DEPTHS[side]} > 0)" if power == 1.0 else f"{DEPTHS[side]}**{power:g}"
+def _lossy(side: str, power: float | str, damping: str) -> str:
+    touched = f"({DEPTHS[side]} > 0)" if power == 1.0 else f"{DEPTHS[side]}**{power}"
     return f"{'-' * (side == 'lower')}{_term(side, power)} + {damping} * v * {touched}"
 
 
@@ -105,7 +117,7 @@ class EndStop(Effect):
     title: ClassVar[str] = "end stop"
     summary: ClassVar[str] = "contact that stiffens the joint beyond a deflection near the end of the stroke"
     equation: ClassVar[str] = (
-        "y += k d^p − k' d'^p,  d = max(x − a, 0), d' = max(−x − a', 0), p = 1 or 1.5; damped: + c v or + c d^p v while "
+        "y += k d^p − k' d'^p,  d = max(x − a, 0), d' = max(−x − a', 0), p = 1 or 1.5, or any from 1 to 2.5 where it is damped; damped: + c v or + c d^p v while "
         "touched; or y += k d / (1 − d/d0) or k (exp(d/d0) − 1)"
     )
     coordinate: ClassVar[str] = "position"
@@ -127,6 +139,7 @@ class EndStop(Effect):
             np.inf,
             "d0, depth at which a rubber bumper would be flat, or over which its torque grows e-fold",
         ),
+        Parameter("power", "1", *POWERS, "p of the depth"),
         Parameter("upper", "rad", -np.inf, np.inf, "deflection a at which the upper stop is touched"),
         Parameter("lower", "rad", -np.inf, np.inf, "−deflection a' at which the lower stop is touched"),
     )
@@ -157,10 +170,13 @@ class EndStop(Effect):
             names = (f"stiffness_{told}", "damping")
             free = (0.0, 0.0), (np.inf, np.inf), (told,), (), [limits]
             made += [
-                Form(f"{told}, damped", names, _damped(side, None), *free, (told,),
+                Form(f"{told}, damped", names, _damped(side), *free, (told,),
                      equation=f"y += {_lossy(told, 1.0, 'damping')}"),
-                Form(f"{told}, Hunt-Crossley", names, _damped(side, 1.5), *free, (f"{told}, Hertz",),
+                Form(f"{told}, Hunt-Crossley", names, _contact(side, 1.5), *free, (f"{told}, Hertz",),
                      equation=f"y += {_lossy(told, 1.5, 'damping')}"),
+                Form(f"{told}, {ANY}", names, _contact(side), (0.0, 0.0), (np.inf, np.inf), (told, "power"), (),
+                     [limits, POWERS], (told, f"{told}, Hertz", f"{told}, damped", f"{told}, Hunt-Crossley"),
+                     lambda shape, _: (*shape, 1.25), equation=f"y += {_lossy(told, 'power', 'damping')}"),
             ]  # fmt: skip
         for kind, equation, law, share in BUMPERS:
             for sides, ends in ((("upper",), [top]), (("lower",), [bottom]), (("upper", "lower"), [top, bottom])):
@@ -170,10 +186,15 @@ class EndStop(Effect):
                          (np.inf,) * len(sides), (*sides, "thickness"), (), [*ends, (0.03 * reach, 3.0 * reach)],
                          (told, f"{told}, Hertz"), _thick(share * reach), equation=_pressed(sides, equation))
                 )  # fmt: skip
-        for power, told, simple in ((1.0, "both, damped", "both"), (1.5, "both, Hunt-Crossley", "both, Hertz")):
-            made.append(
-                Form(told, ("stiffness_upper", "stiffness_lower", "damping", "damping_lower"), _both_damped(power), (0.0,) * 4,
-                     (np.inf,) * 4, ("upper", "lower"), (), [top, bottom], (simple,),
-                     equation=f"y += {_lossy('upper', power, 'damping')} + {_lossy('lower', power, 'damping_lower')}")
-            )  # fmt: skip
+        ends, all_four = [top, bottom], ("stiffness_upper", "stiffness_lower", "damping", "damping_lower")
+        any_size = (0.0,) * 4, (np.inf,) * 4
+        made += [
+            Form("both, damped", all_four, _both_damped, *any_size, ("upper", "lower"), (), ends, ("both",),
+                 equation=f"y += {_lossy('upper', 1.0, 'damping')} + {_lossy('lower', 1.0, 'damping_lower')}"),
+            Form("both, Hunt-Crossley", all_four, _both_contacts(1.5), *any_size, ("upper", "lower"), (), ends, ("both, Hertz",),
+                 equation=f"y += {_lossy('upper', 1.5, 'damping')} + {_lossy('lower', 1.5, 'damping_lower')}"),
+            Form(f"both, {ANY}", all_four, _both_contacts(), *any_size, ("upper", "lower", "power"), (), [*ends, POWERS],
+                 ("both", "both, Hertz", "both, damped", "both, Hunt-Crossley"), lambda shape, _: (*shape, 1.25),
+                 equation=f"y += {_lossy('upper', 'power', 'damping')} + {_lossy('lower', 'power', 'damping_lower')}"),
+        ]  # fmt: skip
         return made

@@ -58,11 +58,22 @@ def _efficiency(law: DirectionLaw, load: Callable[[Scene], Floats]) -> Callable[
     return columns
 
 
-def _degressive(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
-    """Contacts that flatten: friction grows less than the load."""
+def _by_side(law: DirectionLaw, load: Callable[[Scene], Floats]) -> Callable[[Scene, tuple[float, ...]], Floats]:
+    """Contacts of which one side carries one sign of the load, and another the other."""
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        return (np.abs(scene.torque) ** shape[1] * law.signal(scene.signals, shape[0]))[:, None]
+        carried = load(scene)
+        lost = np.abs(carried) * law.signal(scene.signals, shape[0])
+        return np.column_stack([lost * (carried > 0.0), lost * (carried <= 0.0)])
+
+    return columns
+
+
+def _powered(law: DirectionLaw, load: Callable[[Scene], Floats]) -> Callable[[Scene, tuple[float, ...]], Floats]:
+    """Contacts that flatten, so that friction grows less than the load, or that spread, so that it grows more."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        return (np.abs(load(scene)) ** shape[1] * law.signal(scene.signals, shape[0]))[:, None]
 
     return columns
 
@@ -108,7 +119,7 @@ class LoadDependentFriction(Effect):
     summary: ClassVar[str] = "friction in proportion to the transmitted load (gear teeth, pulleys, pressed seals)"
     equation: ClassVar[str] = (
         "y += μ |y_sim| s   (|load channel|, |y_sim|^p or the elastic part in place of |y_sim|; μ' where the joint is driven "
-        "back; contacts of constant stiffness that give way at μ |y_sim|, or at μ' |y_sim|; or friction inside the joint that slides later under load)"
+        "back, or the load is negative; contacts of constant stiffness that give way at μ |y_sim|, or at μ' |y_sim|; or friction inside the joint that slides later under load)"
     )
     coordinate: ClassVar[str] = "load"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -120,8 +131,9 @@ class LoadDependentFriction(Effect):
             "friction over load; negative where the simulator has too much",
         ),
         Parameter("friction_coefficient_back", "1", 0.0, np.inf, "μ', where the joint is driven back"),
+        Parameter("friction_coefficient_below", "1", 0.0, np.inf, "where the load is negative, if it differs there"),
         Parameter("driven_ratio", "1", 0.1, 10.0, "μ' / μ"),
-        Parameter("power", "1", 0.4, 1.0, "p of the load"),
+        Parameter("power", "1", 0.4, 2.2, "p of the load"),
         Parameter("strength_gain", "1", 0.0, np.inf, "relative gain of the friction's strength at the largest load"),
         *PRESLIDING,
     )
@@ -145,9 +157,6 @@ class LoadDependentFriction(Effect):
         for law in laws:
             simple = (f"by torque, {law.name}",)
             made += [
-                Form(f"by a power of torque, {law.name}", ("friction_coefficient",), _degressive(law), (0.0,), (np.inf,),
-                     (law.parameter, "power"), (), [law.limits, (0.4, 1.0)], simple, lambda shape, _: (*shape, 0.8), borders=[NOT, LOW],
-                     equation=f"y += friction_coefficient * abs(y)**power * {law.equation}"),
                 Form(f"by elastic torque, {law.name}", ("friction_coefficient",), _columns(law, carried["elastic torque"].of), (0.0,), (np.inf,),
                      (law.parameter,), (), [law.limits], simple,
                      equation=f"y += friction_coefficient * abs(y_spring) * {law.equation}"),
@@ -156,6 +165,19 @@ class LoadDependentFriction(Effect):
                          _efficiency(law, load.of), (0.0,) * 2, (np.inf,) * 2, (law.parameter,), (), [law.limits], (f"by {of}, {law.name}",),
                          equation=f"y += where({load.symbol} * s > 0, friction_coefficient, friction_coefficient_back) * "
                          f"abs({load.symbol}) * s,  s = {law.equation}")
+                    for of, load in carried.items()
+                ),
+                *(
+                    Form(f"by a power of {of}, {law.name}", ("friction_coefficient",), _powered(law, load.of), (0.0,), (np.inf,),
+                         (law.parameter, "power"), (), [law.limits, (0.4, 2.2)], (f"by {of}, {law.name}",), lambda shape, _: (*shape, 1.0),
+                         borders=[NOT, LOW], equation=f"y += friction_coefficient * abs({load.symbol})**power * {law.equation}")
+                    for of, load in carried.items()
+                ),
+                *(
+                    Form(f"by {of}, unequal sides, {law.name}", ("friction_coefficient", "friction_coefficient_below"),
+                         _by_side(law, load.of), (0.0,) * 2, (np.inf,) * 2, (law.parameter,), (), [law.limits], (f"by {of}, {law.name}",),
+                         equation=f"y += where({load.symbol} > 0, friction_coefficient, friction_coefficient_below) * "
+                         f"abs({load.symbol}) * {law.equation}")
                     for of, load in carried.items()
                 ),
             ]  # fmt: skip

@@ -45,7 +45,23 @@ def _spectrum(branches: Columns) -> Columns:
 
 def _creeping(scene: Scene, shape: tuple[float, ...]) -> Floats:
     """A branch whose dashpot yields the more the more it is loaded."""
-    return scene.signals.creeping(*shape)[:, None]
+    tau, power = shape
+    return scene.signals.creeping(scene.signals.smooth_x, tau, power, scene.signals.reach)[:, None]
+
+
+def _crept_away(part: Part) -> Columns:
+    """What such a branch of ``part`` no longer holds is missing."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        risen, (tau, power) = _since_the_start(part).of(scene), shape
+        return (scene.signals.creeping(risen, tau, power, _swing(scene)) - risen)[:, None]
+
+    return columns
+
+
+def _swing(scene: Scene) -> float:
+    """Half the range of the simulator's output, N·m."""
+    return max(0.5 * float(np.ptp(scene.signals.y_sim)), 1e-300)
 
 
 def _springpot(part: Callable[[Scene], Floats]) -> Columns:
@@ -83,13 +99,26 @@ def _begun_before(form: Form) -> Form:
     """The same where the recording begins amid a motion: what the branch held then decays."""
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        return np.column_stack([form.columns(scene, shape), np.exp(-scene.signals.elapsed / shape[0])])
+        return np.column_stack([form.columns(scene, shape), *(np.exp(-scene.signals.elapsed / tau) for tau in shape)])
 
+    held = [f"held{told.removeprefix('time_constant')}" for told in form.shapes]
+    sign = " - " if "-=" in form.equation else " + "
     return replace(
-        form, name=f"{form.name}, begun before", coefficients=(*form.coefficients, "held"), columns=columns,
-        lower=(*form.lower, -np.inf), upper=(*form.upper, np.inf), grid=(), refines=(form.name,),
-        elsewhere=form, equation=f"{form.equation} {'-' if '-=' in form.equation else '+'} held * exp(-t / time_constant)",
+        form, name=f"{form.name}, begun before", coefficients=(*form.coefficients, *held), columns=columns,
+        lower=(*form.lower, *[-np.inf] * len(held)), upper=(*form.upper, *[np.inf] * len(held)), grid=(), refines=(form.name,),
+        start=None, elsewhere=form,
+        equation=sign.join([form.equation, *(f"{h} * exp(-t / {tau})" for h, tau in zip(held, form.shapes, strict=True))]),
     )  # fmt: skip
+
+
+def _since_the_start(part: Part) -> Part:
+    """What has come to ``part`` since the recording began."""
+
+    def columns(scene: Scene) -> Floats:
+        whole = part.of(scene)
+        return scene.signals.per_run(lambda run: whole[run] - whole[run][0])
+
+    return Part(f"rise({part.symbol})", columns)
 
 
 DEFLECTION, TORQUE = Part("x", lambda scene: scene.signals.smooth_x), Part("y", lambda scene: scene.torque)
@@ -121,6 +150,7 @@ class StressRelaxation(Effect):
         ),
         Parameter("time_constant", "s", 0.0, np.inf, "of the (first) branch"),
         Parameter("held", "N·m", -np.inf, np.inf, "what the branch held when the recording began amid a motion"),
+        Parameter("held_2", "N·m", -np.inf, np.inf, "what the second one held"),
         Parameter("compliance", "rad/(N·m)", 0.0, np.inf, "1/K, of what creeps in series with the joint"),
         Parameter(
             "springpot",
@@ -180,6 +210,14 @@ class StressRelaxation(Effect):
                 lambda shape, _: (0.3,), borders=[BOTH], equation=f"y += springpot * fractional({part.symbol}, order)",
             )  # fmt: skip
 
+        def yielding(name: str, part: Part, *simpler: str) -> Form:
+            y = part.symbol
+            return Form(
+                name, ("share",), _crept_away(part), (0.0,), (np.inf,), ("time_constant", "power"), (), [limits, (1.2, 4.0)],
+                simpler, lambda shape, _: (shape[0], 1.6), borders=[LOW, HIGH],
+                equation=f"y -= share * (rise({y}) - creep({y}, time_constant, power, {_swing(scene):.8g}))",
+            )  # fmt: skip
+
         settled = f"lowpass({SPRING.symbol}, time_constant)"
         in_series = "x = x - compliance * lowpass(y, time_constant)"
         # As soft as that the joint itself would hardly move.
@@ -193,9 +231,30 @@ class StressRelaxation(Effect):
             branch("from the torque down", TORQUE, True),
             branch("from the spring down", SPRING, True),
         ]
+        double = [
+            branches("from the torque down, two branches", TORQUE, True, "from the torque down"),
+            branches("from the spring down, two branches", SPRING, True, "from the spring down"),
+            branches("two branches of the torque", TORQUE, False, "of the torque"),
+            branches("two branches of the spring", SPRING, False, "of the torque"),
+        ]
+        begun_away = abs(s.smooth_x[0]) > AWAY * s.reach
+        # What a joint was held at before may be the rest from which it relaxes.
+        fresh = [
+            form
+            for part, name in (
+                (TORQUE, "from the torque down, of its rise"),
+                (SPRING, "from the spring down, of its rise"),
+            )
+            for form in (
+                branch(name, _since_the_start(part), True),
+                branches(f"{name}, two branches", _since_the_start(part), True, name),
+            )
+            if begun_away
+        ]
         return [
             *single,
-            *(_begun_before(form) for form in single if len(s.runs) == 1 and abs(s.smooth_x[0]) > AWAY * s.reach),
+            *fresh,
+            *(_begun_before(form) for form in (*single, *double) if len(s.runs) == 1 and begun_away),
             Form("two branches", ("stiffness", "stiffness_2"), of_two, (0.0, 0.0), (np.inf, np.inf),
                  ("time_constant", "time_constant_2"), pairs, [limits, limits], equation=told_two),
             Form("spectrum", ("stiffness", "stiffness_2", "stiffness_3"), _spectrum(of_three), (0.0,) * 3, (np.inf,) * 3,
@@ -205,21 +264,20 @@ class StressRelaxation(Effect):
                  [(t, 2.0) for t in geometric(0.1 * low, high, 6)], [(0.02 * low, 1.2 * high), (1.2, 4.0)],
                  borders=[LOW, HIGH],
                  equation=f"y += stiffness * creep(x, time_constant, power, {s.reach:.8g})"),
+            yielding("power-law dashpot, from the torque down", TORQUE, "from the torque down", "from the torque down, of its rise"),
+            yielding("power-law dashpot, from the spring down", SPRING, "from the spring down", "from the spring down, of its rise"),
             Form("creep in series, small", ("compliance",), _in_series, (0.0,), (np.inf,), ("time_constant",),
                  [(t,) for t in times[::2]], [limits], borders=[LOW], equation=in_series),
             Form("creep in series", ("_unit",), _compliant_in_series, (1.0,), (1.0,), ("time_constant", "compliance"), (),
                  [limits, (1e-4 * soft, soft)], ("creep in series, small",), lambda shape, found: (*shape, float(found[0])),
                  borders=[LOW, NOT], equation=in_series),
-            branches("from the torque down, two branches", TORQUE, True, "from the torque down"),
+            *double,
             spectrum("from the torque down, spectrum", TORQUE, True, "from the torque down"),
-            branches("from the spring down, two branches", SPRING, True, "from the spring down"),
             spectrum("from the spring down, spectrum", SPRING, True, "from the spring down"),
             # Of a simulator that was identified at the usual speeds: neither as stiff as at first nor as soft as in the end.
             Form("of the spring, in between", ("share", "share_relaxed"), _in_between(SPRING.of), (0.0,) * 2, (np.inf,) * 2,
                  ("time_constant",), (), [limits], ("from the spring down",), borders=[LOW],
                  equation=f"y += share * (y_spring - {settled}) - share_relaxed * {settled}"),
-            branches("two branches of the torque", TORQUE, False, "of the torque"),
-            branches("two branches of the spring", SPRING, False, "of the torque"),
             spectrum("spectrum of the torque", TORQUE, False, "of the torque"),
             spectrum("spectrum of the spring", SPRING, False, "of the torque"),
             springpot("fractional", DEFLECTION, "one branch"),

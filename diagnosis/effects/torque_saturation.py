@@ -45,6 +45,11 @@ def _slipping(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return -scene.signals.per_run(lambda run: plays(scene.torque[run], np.array([shape[0]]))[:, 0])[:, None]
 
 
+def _spring_hard(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    """A coupling that gives way before the bearings' friction."""
+    return (np.clip(scene.spring, -shape[0], shape[0]) - scene.spring)[:, None]
+
+
 class TorqueSaturation(Effect):
     """Sensor range, current limit or slipping clutch."""
 
@@ -52,7 +57,7 @@ class TorqueSaturation(Effect):
     title: ClassVar[str] = "torque saturation"
     summary: ClassVar[str] = "torque that cannot exceed a limit (sensor range, current limit, slipping clutch)"
     equation: ClassVar[str] = (
-        "y = clip(y_sim, ±L) (or a part h of it) or y_sim/(1 + |y_sim/L|^p)^(1/p), each also with another limit below zero, "
+        "y = clip(y_sim, ±L) (or a part h of it, or its elastic part) or y_sim/(1 + |y_sim/L|^p)^(1/p), each also with another limit below zero, "
         "L tanh(y_sim/L), or a clutch that slips: y_sim − p, p = clip(p, y_sim ± L)"
     )
     coordinate: ClassVar[str] = "load"
@@ -90,6 +95,8 @@ class TorqueSaturation(Effect):
                  [(a * top, b * top, 8.0) for f in (0.6, 0.8, 0.95, 1.15) for a, b in ((f, 3.0), (3.0, f))],
                  [(0.3 * top, 6.0 * top), (0.3 * top, 6.0 * top), (1.5, 40.0)],
                  equation="y = y / (1 + abs(y / where(y > 0, limit, limit_below))**sharpness)**(1 / sharpness)"),
+            Form("hard, of the spring", unit[0], _spring_hard, unit[1], unit[2], ("limit",), grid[1::2], [within],
+                 equation="y += clip(y_spring, -limit, limit) - y_spring"),
             Form("slipping clutch", unit[0], _slipping, unit[1], unit[2], ("limit",), grid, [within],
                  equation="y = y - play(y, limit)"),
             Form("smooth", unit[0], _smooth, unit[1], unit[2], ("limit",), wide, [(0.3 * top, 10.0 * top)],

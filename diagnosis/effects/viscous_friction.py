@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..recording.noise import rms
-from .base import Effect, Floats, Form, Parameter, Scene, at_either_end, between_ends, overdone
+from .base import Effect, Floats, Form, Parameter, Scene, at_either_end, between_ends, overdone, stroke
 from .images import is_constant_friction
 
 __all__ = ["ViscousFriction"]
@@ -39,6 +39,11 @@ def _by_position(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.column_stack([share * scene.signals.speed for share in at_either_end(scene)])
 
 
+def _by_distance(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    far = (scene.signals.smooth_x / stroke(scene)) ** 2
+    return np.column_stack([(1.0 - far) * scene.signals.speed, far * scene.signals.speed])
+
+
 def _eyring(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.arcsinh(scene.signals.speed / shape[0])[:, None]
 
@@ -54,7 +59,7 @@ class ViscousFriction(Effect):
     title: ClassVar[str] = "viscous friction"
     summary: ClassVar[str] = "torque that opposes motion and grows with speed (grease, seals, damping)"
     equation: ClassVar[str] = (
-        "y += c |v|^p sgn(v), c v + c2 |v| v, c v + c3 v³, either of the first with another c for each direction, c v linear in x, c asinh(v/w) (Eyring), or c arctan(v/w)"
+        "y += c |v|^p sgn(v), c v + c2 |v| v, c v + c3 v³, either of the first with another c for each direction, c v linear in x or in x², c asinh(v/w) (Eyring), or c arctan(v/w)"
     )
     coordinate: ClassVar[str] = "speed"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -66,6 +71,8 @@ class ViscousFriction(Effect):
         Parameter("damping_back", "N·m·(s/rad)^p", 0.0, np.inf, "c of motion in the negative direction"),
         Parameter("damping_upper", "N·m·s/rad", 0.0, np.inf, "c at the largest deflection"),
         Parameter("damping_lower", "N·m·s/rad", 0.0, np.inf, "the same at as much on the other side"),
+        Parameter("damping_middle", "N·m·s/rad", 0.0, np.inf, "c at x = 0, where it changes alike both ways"),
+        Parameter("damping_ends", "N·m·s/rad", 0.0, np.inf, "c at the largest deflection, where it does"),
         Parameter("limit", "N·m", 0.0, np.inf, "c of a grease that thins or saturates"),
         Parameter("thinning_speed", "rad/s", 0.0, np.inf, "w, speed at which it does"),
         Parameter("power", "1", 0.5, 2.0, "1 for a Newtonian lubricant, less for a shear-thinning one"),
@@ -96,6 +103,8 @@ class ViscousFriction(Effect):
                  equation="y += where(v > 0, damping, damping_back) * v"),
             Form("linear, by position", ("damping_upper", "damping_lower"), _by_position, *both,
                  equation=f"y += {between_ends(scene, 'damping_upper', 'damping_lower')} * v"),
+            Form("linear, by distance", ("damping_middle", "damping_ends"), _by_distance, *both, (), (), (), ("linear",),
+                 equation=f"y += (damping_middle + (x / {stroke(scene):.8g})**2 * (damping_ends - damping_middle)) * v"),
             Form("linear and quadratic", ("damping", "damping_2"), _quadratic, *both,
                  equation="y += damping * v + damping_2 * v * abs(v)"),
             Form("linear and cubic", ("damping", "damping_3"), _cubic, *both, equation="y += damping * v + damping_3 * v**3"),

@@ -374,7 +374,7 @@ def leaky(time: Floats, x: Floats, level: float, tau: float) -> Floats:
 def creeping(time: Floats, x: Floats, tau: float, power: float, length: float) -> Floats:
     """Stretch of a spring behind a dashpot whose force goes with the ``power``-th root of its speed, from rest, shape (n,).
 
-    At the stretch ``length`` (rad) it is let go with the time constant ``tau`` (s): Norton's creep (F. H. Norton, The Creep of
+    At the stretch ``length`` (of the unit of ``x``) it is let go with the time constant ``tau`` (s): Norton's creep (F. H. Norton, The Creep of
     Steel at High Temperatures, 1929). ``power`` is above one.
     """
     out = np.empty(x.size)

@@ -299,9 +299,9 @@ class Signals:
         """First-order lag of ``signal`` (n,), time constant ``tau`` s."""
         return self.per_run(lambda run: lowpass(self.time[run], signal[run], tau))
 
-    def creeping(self, tau: float, power: float) -> Floats:
-        """Stretch of a spring behind a dashpot that yields with a ``power`` of its force, ``tau`` s at the reach, rad."""
-        return self.per_run(lambda run: creeping(self.time[run], self.smooth_x[run], tau, power, self.reach))
+    def creeping(self, signal: Floats, tau: float, power: float, size: float) -> Floats:
+        """What a spring holds of ``signal`` (n,) behind a dashpot that yields with a ``power`` of it, ``tau`` s at a ``size``."""
+        return self.per_run(lambda run: creeping(self.time[run], signal[run], tau, power, size))
 
     def fractional(self, signal: Floats, order: float) -> Floats:
         """Derivative of ``signal`` (n,) of an ``order`` between 0 and 1."""
