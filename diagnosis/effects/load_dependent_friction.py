@@ -73,9 +73,15 @@ def _powered(law: DirectionLaw, load: Callable[[Scene], Floats]) -> Callable[[Sc
     """Contacts that flatten, so that friction grows less than the load, or that spread, so that it grows more."""
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        return (np.abs(load(scene)) ** shape[1] * law.signal(scene.signals, shape[0]))[:, None]
+        most = _most(scene)
+        return (most * np.abs(load(scene) / most) ** shape[1] * law.signal(scene.signals, shape[0]))[:, None]
 
     return columns
+
+
+def _most(scene: Scene) -> float:
+    """The largest torque that the simulator tells, N·m."""
+    return max(float(np.max(np.abs(scene.signals.y_sim))), 1e-300)
 
 
 def _pressed(load: Callable[[Scene], Floats], sliding: Callable[[Floats, Floats, float], Floats]) -> Columns:
@@ -118,7 +124,7 @@ class LoadDependentFriction(Effect):
     title: ClassVar[str] = "load-dependent friction"
     summary: ClassVar[str] = "friction in proportion to the transmitted load (gear teeth, pulleys, pressed seals)"
     equation: ClassVar[str] = (
-        "y += μ |y_sim| s   (|load channel|, |y_sim|^p or the elastic part in place of |y_sim|; μ' where the joint is driven "
+        "y += μ |y_sim| s   (|load channel|, Y |y_sim/Y|^p with the largest torque Y or the elastic part in place of |y_sim|; μ' where the joint is driven "
         "back, or the load is negative; contacts of constant stiffness that give way at μ |y_sim|, or at μ' |y_sim|; or friction inside the joint that slides later under load)"
     )
     coordinate: ClassVar[str] = "load"
@@ -133,7 +139,7 @@ class LoadDependentFriction(Effect):
         Parameter("friction_coefficient_back", "1", 0.0, np.inf, "μ', where the joint is driven back"),
         Parameter("friction_coefficient_below", "1", 0.0, np.inf, "where the load is negative, if it differs there"),
         Parameter("driven_ratio", "1", 0.1, 10.0, "μ' / μ"),
-        Parameter("power", "1", 0.4, 2.2, "p of the load"),
+        Parameter("power", "1", 0.4, 1.25, "p of the load"),
         Parameter("strength_gain", "1", 0.0, np.inf, "relative gain of the friction's strength at the largest load"),
         *PRESLIDING,
     )
@@ -144,7 +150,7 @@ class LoadDependentFriction(Effect):
         for name, values in scene.signals.channels.items():
             if any(word in name.lower() for word in LOAD_WORDS) and np.ptp(values) > 0.05 * np.max(np.abs(values)):
                 loads[name] = Part(name, _measured(name))
-        laws = direction_laws(scene)
+        laws, most = direction_laws(scene), f"{_most(scene):.8g}"
         made = [
             Form(f"by {name}, {law.name}", ("friction_coefficient",), _columns(law, load.of), (0.0,), (np.inf,),
                  (law.parameter,), [(value,) for value in law.grid], [law.limits],
@@ -168,9 +174,9 @@ class LoadDependentFriction(Effect):
                     for of, load in carried.items()
                 ),
                 *(
-                    Form(f"by a power of {of}, {law.name}", ("friction_coefficient",), _powered(law, load.of), (0.0,), (np.inf,),
-                         (law.parameter, "power"), (), [law.limits, (0.4, 2.2)], (f"by {of}, {law.name}",), lambda shape, _: (*shape, 1.0),
-                         borders=[NOT, LOW], equation=f"y += friction_coefficient * abs({load.symbol})**power * {law.equation}")
+                    Form(f"by a power of {of}, {law.name}", ("friction_coefficient",), _powered(law, load.of), (0.0,), (1.0,),
+                         (law.parameter, "power"), (), [law.limits, (0.4, 1.25)], (f"by {of}, {law.name}",), lambda shape, _: (*shape, 1.0),
+                         borders=[NOT, LOW], equation=f"y += friction_coefficient * {most} * abs({load.symbol} / {most})**power * {law.equation}")
                     for of, load in carried.items()
                 ),
                 *(

@@ -95,8 +95,11 @@ def _law(part: Part, down: bool, *branches: tuple[str, str]) -> tuple[Columns, s
     return (_missing if down else _relaxing)(part.of), f"y {'-' if down else '+'}= {' + '.join(terms)}"
 
 
-def _begun_before(form: Form) -> Form:
-    """The same where the recording begins amid a motion: what the branch held then decays."""
+def _begun_before(form: Form, *instead: str) -> Form:
+    """The same where the recording begins amid a motion: what the branch held then decays.
+
+    It is sought from ``instead`` as well, where a law of one branch took its place.
+    """
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         return np.column_stack([form.columns(scene, shape), *(np.exp(-scene.signals.elapsed / tau) for tau in shape)])
@@ -105,8 +108,8 @@ def _begun_before(form: Form) -> Form:
     sign = " - " if "-=" in form.equation else " + "
     return replace(
         form, name=f"{form.name}, begun before", coefficients=(*form.coefficients, *held), columns=columns,
-        lower=(*form.lower, *[-np.inf] * len(held)), upper=(*form.upper, *[np.inf] * len(held)), grid=(), refines=(form.name,),
-        start=None, elsewhere=form,
+        lower=(*form.lower, *[-np.inf] * len(held)), upper=(*form.upper, *[np.inf] * len(held)), grid=(), refines=(form.name, *instead),
+        start=lambda shape, found: shape if form.start is None or found.size > 1 else form.start(shape, found), elsewhere=form,
         equation=sign.join([form.equation, *(f"{h} * exp(-t / {tau})" for h, tau in zip(held, form.shapes, strict=True))]),
     )  # fmt: skip
 
@@ -231,13 +234,17 @@ class StressRelaxation(Effect):
             branch("from the torque down", TORQUE, True),
             branch("from the spring down", SPRING, True),
         ]
-        double = [
+        down = [
             branches("from the torque down, two branches", TORQUE, True, "from the torque down"),
             branches("from the spring down, two branches", SPRING, True, "from the spring down"),
+        ]
+        up = [
             branches("two branches of the torque", TORQUE, False, "of the torque"),
             branches("two branches of the spring", SPRING, False, "of the torque"),
         ]
+        dashpots = tuple(f"power-law dashpot, from the {part} down" for part in ("torque", "spring"))
         begun_away = abs(s.smooth_x[0]) > AWAY * s.reach
+        begun_amid = begun_away and len(s.runs) == 1
         # What a joint was held at before may be the rest from which it relaxes.
         fresh = [
             form
@@ -254,7 +261,8 @@ class StressRelaxation(Effect):
         return [
             *single,
             *fresh,
-            *(_begun_before(form) for form in (*single, *double) if len(s.runs) == 1 and begun_away),
+            *(_begun_before(form) for form in (*single, *up) if begun_amid),
+            *(_begun_before(form, dashpot) for form, dashpot in zip(down, dashpots, strict=True) if begun_amid),
             Form("two branches", ("stiffness", "stiffness_2"), of_two, (0.0, 0.0), (np.inf, np.inf),
                  ("time_constant", "time_constant_2"), pairs, [limits, limits], equation=told_two),
             Form("spectrum", ("stiffness", "stiffness_2", "stiffness_3"), _spectrum(of_three), (0.0,) * 3, (np.inf,) * 3,
@@ -264,14 +272,15 @@ class StressRelaxation(Effect):
                  [(t, 2.0) for t in geometric(0.1 * low, high, 6)], [(0.02 * low, 1.2 * high), (1.2, 4.0)],
                  borders=[LOW, HIGH],
                  equation=f"y += stiffness * creep(x, time_constant, power, {s.reach:.8g})"),
-            yielding("power-law dashpot, from the torque down", TORQUE, "from the torque down", "from the torque down, of its rise"),
-            yielding("power-law dashpot, from the spring down", SPRING, "from the spring down", "from the spring down, of its rise"),
+            yielding(dashpots[0], TORQUE, "from the torque down", "from the torque down, of its rise"),
+            yielding(dashpots[1], SPRING, "from the spring down", "from the spring down, of its rise"),
             Form("creep in series, small", ("compliance",), _in_series, (0.0,), (np.inf,), ("time_constant",),
                  [(t,) for t in times[::2]], [limits], borders=[LOW], equation=in_series),
             Form("creep in series", ("_unit",), _compliant_in_series, (1.0,), (1.0,), ("time_constant", "compliance"), (),
                  [limits, (1e-4 * soft, soft)], ("creep in series, small",), lambda shape, found: (*shape, float(found[0])),
                  borders=[LOW, NOT], equation=in_series),
-            *double,
+            *down,
+            *up,
             spectrum("from the torque down, spectrum", TORQUE, True, "from the torque down"),
             spectrum("from the spring down, spectrum", SPRING, True, "from the spring down"),
             # Of a simulator that was identified at the usual speeds: neither as stiff as at first nor as soft as in the end.

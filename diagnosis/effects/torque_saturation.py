@@ -95,7 +95,7 @@ class TorqueSaturation(Effect):
                  [(a * top, b * top, 8.0) for f in (0.6, 0.8, 0.95, 1.15) for a, b in ((f, 3.0), (3.0, f))],
                  [(0.3 * top, 6.0 * top), (0.3 * top, 6.0 * top), (1.5, 40.0)],
                  equation="y = y / (1 + abs(y / where(y > 0, limit, limit_below))**sharpness)**(1 / sharpness)"),
-            Form("hard, of the spring", unit[0], _spring_hard, unit[1], unit[2], ("limit",), grid[1::2], [within],
+            Form("hard, of the spring", unit[0], _spring_hard, unit[1], unit[2], ("limit",), grid, [within],
                  equation="y += clip(y_spring, -limit, limit) - y_spring"),
             Form("slipping clutch", unit[0], _slipping, unit[1], unit[2], ("limit",), grid, [within],
                  equation="y = y - play(y, limit)"),

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-__all__ = ["CONFIDENCE", "INPUTS", "confidence", "inputs"]
+__all__ = ["CONFIDENCE", "INPUTS", "STATED", "confidence", "inputs", "stated"]
 
 INPUTS = (
     "bias", "no gap", "unknown", "miscalibration alone", "miscalibration beside", "further effects",
@@ -32,6 +32,10 @@ CONFIDENCE: dict[str, float] = {
     "closed beside": 0.465,
 }
 """Weight of each input."""
+STATED = (0.352, 0.874)
+"""What the logit of a chosen verdict's confidence is moved by and multiplied with (J. Platt, Probabilistic outputs for support vector
+machines, 1999): what is chosen with it in mind is right a little more often than it says. Fitted on 1,040 recordings of the
+strangers' joints 29 to 32, the last 520 of them as they were read."""
 
 
 def inputs(verdict: Sequence[str], features: Mapping[str, float]) -> dict[str, float]:
@@ -63,3 +67,10 @@ def confidence(weights: Mapping[str, float], verdict: Sequence[str], features: M
     """Probability that ``verdict`` is right, kept within [0.02, 0.995]: a finite bank proves no more."""
     total = sum(weights[name] * value for name, value in inputs(verdict, features).items())
     return min(max(1.0 / (1.0 + math.exp(-min(max(total, -30.0), 30.0))), 0.02), 0.995)
+
+
+def stated(probability: float) -> float:
+    """What is stated of a chosen verdict whose confidence is ``probability``, within [0.02, 0.995] as well."""
+    inside = min(max(probability, 0.02), 0.995)
+    total = STATED[0] + STATED[1] * math.log(inside / (1.0 - inside))
+    return min(max(1.0 / (1.0 + math.exp(-total)), 0.02), 0.995)

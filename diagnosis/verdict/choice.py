@@ -18,7 +18,7 @@ from ..recording.noise import rms, structured_power
 from ..recording.quantisation import torque_step
 from ..recording.roughness import roughness
 from ..recording.spikes import OUTLIERS, spikes
-from .calibration import CONFIDENCE, confidence
+from .calibration import CONFIDENCE, confidence, stated
 from .clocks import OtherClock, follows_another_clock
 from .imitation import Image, imaged_by, imitations, within_range, without_image
 from .one_factor import as_one_factor, factor_of_all, may_be_a_factor
@@ -121,6 +121,12 @@ class Choice:
 
 def choose(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     """Weigh the hypotheses (the empty one first) and state the verdict."""
+    choice = _looked_over(evidence, found)
+    return replace(choice, confidence=stated(choice.confidence))
+
+
+def _looked_over(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
+    """What is chosen, or what is instead of it if it is blamed on a law at the end of its range."""
     choice = _chosen(evidence, found)
     own = choice.hypothesis
     if not _is_an_image(choice):
@@ -323,18 +329,18 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
         clock = follows_another_clock(evidence, best, found)
         blamed = bool(images or factor or clock or strained)
         verdict = [UNKNOWN] if blamed else verdict
-    stated = confidence(CONFIDENCE, verdict, features)
+    sure = confidence(CONFIDENCE, verdict, features)
     if blamed:
         # Little is left over, which says otherwise that the verdict ought to be another.
-        stated = max(stated, IMAGED)
+        sure = max(sure, IMAGED)
     if best.names == {GAIN} and GAIN in verdict and may_be_a_factor(evidence, energy):
-        stated = max(stated, FACTOR)
+        sure = max(sure, FACTOR)
     if verdict and verdict != [UNKNOWN] and not evidence.fitted:
         crowded = len(verdict) > 2 and MISCALIBRATION in verdict
-        if stated < (DOUBT_IN_COMPANY if crowded else DOUBT):
+        if sure < (DOUBT_IN_COMPANY if crowded else DOUBT):
             either = 0.0 if crowded else _either_of_two(field, best, verdict, features, supported)
             # Of two the one named is the likelier.
-            verdict, stated = ([UNKNOWN], 1.0 - stated) if either < DOUBT else (verdict, max(stated, 0.5 * either))
+            verdict, sure = ([UNKNOWN], 1.0 - sure) if either < DOUBT else (verdict, max(sure, 0.5 * either))
     step = frequency = standing_out = rough = 0.0
     if not verdict:
         step, frequency, rough = torque_step(signals), hum(signals), roughness(signals)
@@ -346,7 +352,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
         verdict = [UNKNOWN]
     rivals = recalibration_rivals(evidence, verdict, best, own, found, tempered, energy)
     return Choice(
-        verdict, stated, best, held, miscalibrated, left / gap_power, features,
+        verdict, sure, best, held, miscalibrated, left / gap_power, features,
         posterior, odds, list(field.ranked), rivals, tempered,
         step, frequency, standing_out, rough, images, clock, strained, factor,
     )  # fmt: skip
