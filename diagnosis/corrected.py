@@ -34,6 +34,7 @@ __all__ = ["CorrectedSimulator", "calibrated", "corrected_simulator", "formula"]
 Floats = NDArray[np.float64]
 ARRAYS = ("thresholds", "lengths", "elastic", "placed", "weights", "rates")
 NUMBERS = ("reach", "fast")
+SIZES = {"reach", "stroke", "strongest"}
 PLAIN, FEWEST = 2, 5
 """Samples of a plain difference, and the fewest of a local cubic that tells a speed from noise."""
 CLEAR = 0.02
@@ -74,7 +75,8 @@ class CorrectedSimulator(HysteresisModel):
     ``from_parameters`` takes ``interval`` (s between samples, because effects depend on time), ``base`` (``model``: a
     registered id or ``"generalised"``, its ``parameters``, and for a registered model ``split``: parameters of the built-in
     emulator, which tell its elastic part), ``effects`` (each ``effect``, ``form``, ``shape``, ``coefficients``) and
-    ``window`` (samples of the local cubic that gives speeds of a noisy deflection; 2, the default, for differences).
+    ``window`` (samples of the local cubic that gives speeds of a noisy deflection; 2, the default, for differences) and ``sizes``
+    (``reach``, ``stroke``, ``strongest`` of the recording on which the effects were found; by default those of what is predicted).
     """
 
     id: ClassVar[str] = "corrected-simulator"
@@ -100,10 +102,12 @@ class CorrectedSimulator(HysteresisModel):
             channels={},
         )
         base = {"model": GENERALISED, "parameters": Generalised(signals).parameters()}
-        return {"interval": self.interval, "base": base, "effects": [], "window": _window(signals)}
+        return {"interval": self.interval, "base": base, "effects": [], "window": _window(signals), "sizes": {}}
 
     @classmethod
-    def _check_parameters(cls, interval: Any, base: Any, effects: Any, window: Any = PLAIN) -> dict[str, Any]:
+    def _check_parameters(
+        cls, interval: Any, base: Any, effects: Any, window: Any = PLAIN, sizes: Any = None
+    ) -> dict[str, Any]:
         interval, window = parameter_number("interval", interval), parameter_number("window", window)
         if interval <= 0.0:
             raise InputError(f"parameter interval must be positive; it is {interval}")
@@ -131,6 +135,7 @@ class CorrectedSimulator(HysteresisModel):
             })  # fmt: skip
         return {
             "interval": interval, "base": {"model": str(base["model"]), **checked}, "effects": kept, "window": int(window),
+            "sizes": _checked_sizes(sizes or {}),
         }  # fmt: skip
 
     def _prepare(self) -> None:
@@ -156,7 +161,9 @@ class CorrectedSimulator(HysteresisModel):
 
     def _signals(self, x: Floats, y: Floats) -> _CausalSignals:
         time = self.parameters_["interval"] * np.arange(x.size)
-        return _CausalSignals(time, x, y, y, [slice(0, x.size)], {}, window=self.parameters_["window"])
+        return _CausalSignals(
+            time, x, y, y, [slice(0, x.size)], {}, sizes=self.parameters_["sizes"], window=self.parameters_["window"]
+        )
 
     def _predict_run(self, x: Floats) -> Floats:
         y = self._base(x)
@@ -175,6 +182,15 @@ class CorrectedSimulator(HysteresisModel):
         guess = np.array(coefficients)
         columns = effect_columns(scene, terms, guess)
         return y + columns @ guess
+
+
+def _checked_sizes(given: Any) -> dict[str, float]:
+    if not isinstance(given, Mapping) or (given and set(given) != SIZES):
+        raise InputError(f"parameter sizes must hold {', '.join(sorted(SIZES))}, or nothing")
+    sizes = {name: parameter_number(name, value) for name, value in given.items()}
+    if any(value <= 0.0 for value in sizes.values()):
+        raise InputError(f"parameter sizes must be positive; they are {sizes}")
+    return sizes
 
 
 def _checked_emulator(given: Any) -> dict[str, Any]:
@@ -257,7 +273,7 @@ def corrected_simulator(found: Diagnosis, emulator: Emulator) -> CorrectedSimula
     base = (emulator if len(entries) == len(terms) else found.evidence.scene.emulator).parameters
     signals = found.signals
     made = CorrectedSimulator.from_parameters(
-        interval=signals.interval, base=base, effects=entries, window=_window(signals)
+        interval=signals.interval, base=base, effects=entries, window=_window(signals), sizes=signals.told_in
     )
     made.interval = signals.interval
     made.x_scale_ = float(np.max(np.abs(signals.x)))

@@ -20,6 +20,7 @@ from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.operators.memory import lowpass
 from hystbench.diagnosis.recording.signals import Signals
 from hystbench.diagnosis.result import Diagnosis
+from hystbench.errors import InputError
 
 Floats = NDArray[np.float64]
 NOISE = 0.01
@@ -81,6 +82,40 @@ def test_what_relaxed_before_the_recording_began_is_told_and_left_out_elsewhere(
     corrected = corrected_simulator(found, calibrated(found, None))
     other = motion(0.17, 0.83)
     assert closed_by(corrected.predict(other[1]), relaxing(*other), joint(other[1])) > 0.99
+
+
+LAWS = {
+    "a bore that narrows both ways": lambda time, x: 0.06 * (1.0 + 1.8 * x**2) * np.gradient(x, time),
+    "a bore that narrows one way": lambda time, x: 0.1 * (1.0 + 0.8 * x) * np.gradient(x, time),
+    "teeth that spread under load": lambda time, x: (
+        0.03 * np.abs(joint(x)) ** 1.2 * np.tanh(np.gradient(x, time) / 0.02)
+    ),
+}
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_law_is_the_same_on_a_motion_of_another_size(law: str) -> None:
+    def real(time: Floats, x: Floats) -> Floats:
+        return joint(x) + LAWS[law](time, x)
+
+    time, x = motion(0.31, 1.13)
+    found = diagnosed(real(time, x), joint(x), time, x)
+    corrected = corrected_simulator(found, calibrated(found, None))
+    again = type(corrected).from_parameters(**corrected.parameters_)
+    small, other = motion(0.17, 0.83)
+    other = 0.4 * other
+    assert closed_by(again.predict(other), real(small, other), joint(other)) > 0.97
+
+
+def test_a_corrected_simulator_whose_sizes_are_no_sizes_is_refused() -> None:
+    time, x = motion(0.31, 1.13)
+    found = diagnosed(damped(time, x), joint(x), time, x)
+    made = corrected_simulator(found, calibrated(found, None))
+    for wrong in ({"reach": 1.0}, {**made.parameters_["sizes"], "stroke": -1.0}, [1.0, 2.0, 3.0]):
+        with pytest.raises(InputError, match="parameter sizes must"):
+            type(made).from_parameters(**{**made.parameters_, "sizes": wrong})
+    # Files from before sizes were told.
+    type(made).from_parameters(**{name: value for name, value in made.parameters_.items() if name != "sizes"})
 
 
 def test_the_formula_says_what_to_scale() -> None:

@@ -25,7 +25,7 @@ def signal_on(found: Diagnosis, time: Floats, x: Floats, y_sim: Floats) -> Float
 
     The simulator answers as it was identified on the first recording, sampled alike.
     """
-    target = Signals(time, x, y_sim, y_sim, [slice(0, x.size)], {})
+    target = Signals(time, x, y_sim, y_sim, [slice(0, x.size)], {}, sizes=found.signals.told_in)
     emulator = found.evidence.scene.emulator
     return found.choice.hypothesis.signal_on(SimulatorScene(target, replace(emulator, predict=emulator.anew)))
 

@@ -46,7 +46,6 @@ __all__ = [
     "settled",
     "settling_limits",
     "settling_start",
-    "stroke",
     "times",
 ]
 
@@ -350,23 +349,18 @@ def _about(laws: Columns, part: Callable[[Scene, Floats], Floats]) -> ColumnsAbo
     return columns
 
 
-def stroke(scene: Scene) -> float:
-    """The largest deflection either way, rad."""
-    return max(float(np.max(np.abs(scene.signals.smooth_x))), 1e-300)
-
-
 def at_either_end(scene: Scene) -> tuple[Floats, Floats]:
     """Weights of a parameter's values at the largest deflection and at as much on the other side, shapes (n,).
 
     Between them it changes linearly, so that it has one sign wherever its values at the ends have.
     """
-    share = 0.5 * (1.0 + scene.signals.smooth_x / stroke(scene))
+    share = 0.5 * (1.0 + scene.signals.smooth_x / scene.signals.stroke)
     return share, 1.0 - share
 
 
 def between_ends(scene: Scene, upper: str, lower: str) -> str:
     """The equation of such a parameter, from the names of its values at the ends."""
-    size = f"{stroke(scene):.8g}"
+    size = f"{scene.signals.stroke:.8g}"
     return f"((1 + x / {size}) * {upper} + (1 - x / {size}) * {lower}) / 2"
 
 

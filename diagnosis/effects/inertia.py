@@ -20,7 +20,6 @@ from .base import (
     between_ends,
     geometric,
     overdone,
-    stroke,
 )
 
 __all__ = ["Inertia"]
@@ -51,14 +50,14 @@ def _by_position(scene: Scene, shape: tuple[float, ...]) -> Floats:
 
 def _of_mechanism(scene: Scene, shape: tuple[float, ...]) -> Floats:
     # Lagrange: J a + J' v² / 2, and J' is the difference of the ends over the stroke.
-    turned = 0.25 * np.square(scene.signals.speed) / stroke(scene)
+    turned = 0.25 * np.square(scene.signals.speed) / scene.signals.stroke
     return _by_position(scene, shape) + np.column_stack([turned, -turned])
 
 
 def _of_symmetric_mechanism(scene: Scene, shape: tuple[float, ...]) -> Floats:
     s = scene.signals
-    ends = np.square(s.smooth_x / stroke(scene))
-    turned = s.smooth_x * np.square(s.speed / stroke(scene))
+    ends = np.square(s.smooth_x / scene.signals.stroke)
+    turned = s.smooth_x * np.square(s.speed / scene.signals.stroke)
     return np.column_stack([ends * s.acceleration + turned, (1.0 - ends) * s.acceleration - turned])
 
 
@@ -109,7 +108,7 @@ class Inertia(Effect):
         # Within the motion's band it would be a resonance, which is another matter; faster than sampled, it is rigid.
         swings = (max(2.0 * acceleration / max(speed, 1e-300), ABOVE * _band(signals)), 0.7 / step)
         free = (0.0,), (np.inf,)
-        size = f"{stroke(scene):.8g}"
+        size = f"{scene.signals.stroke:.8g}"
         ends = "inertia_upper", "inertia_lower"
         changing = f"{between_ends(scene, *ends)} * a"
         turning = f"(inertia_upper - inertia_lower) / {size} / 4 * v**2"

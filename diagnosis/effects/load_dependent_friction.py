@@ -73,15 +73,10 @@ def _powered(law: DirectionLaw, load: Callable[[Scene], Floats]) -> Callable[[Sc
     """Contacts that flatten, so that friction grows less than the load, or that spread, so that it grows more."""
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        most = _most(scene)
+        most = scene.signals.strongest
         return (most * np.abs(load(scene) / most) ** shape[1] * law.signal(scene.signals, shape[0]))[:, None]
 
     return columns
-
-
-def _most(scene: Scene) -> float:
-    """The largest torque that the simulator tells, N·m."""
-    return max(float(np.max(np.abs(scene.signals.y_sim))), 1e-300)
 
 
 def _pressed(load: Callable[[Scene], Floats], sliding: Callable[[Floats, Floats, float], Floats]) -> Columns:
@@ -150,7 +145,7 @@ class LoadDependentFriction(Effect):
         for name, values in scene.signals.channels.items():
             if any(word in name.lower() for word in LOAD_WORDS) and np.ptp(values) > 0.05 * np.max(np.abs(values)):
                 loads[name] = Part(name, _measured(name))
-        laws, most = direction_laws(scene), f"{_most(scene):.8g}"
+        laws, most = direction_laws(scene), f"{scene.signals.strongest:.8g}"
         made = [
             Form(f"by {name}, {law.name}", ("friction_coefficient",), _columns(law, load.of), (0.0,), (np.inf,),
                  (law.parameter,), [(value,) for value in law.grid], [law.limits],

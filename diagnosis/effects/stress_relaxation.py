@@ -54,14 +54,9 @@ def _crept_away(part: Part) -> Columns:
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         risen, (tau, power) = _since_the_start(part).of(scene), shape
-        return (scene.signals.creeping(risen, tau, power, _swing(scene)) - risen)[:, None]
+        return (scene.signals.creeping(risen, tau, power, scene.signals.strongest) - risen)[:, None]
 
     return columns
-
-
-def _swing(scene: Scene) -> float:
-    """Half the range of the simulator's output, N·m."""
-    return max(0.5 * float(np.ptp(scene.signals.y_sim)), 1e-300)
 
 
 def _springpot(part: Callable[[Scene], Floats]) -> Columns:
@@ -218,7 +213,7 @@ class StressRelaxation(Effect):
             return Form(
                 name, ("share",), _crept_away(part), (0.0,), (np.inf,), ("time_constant", "power"), (), [limits, (1.2, 4.0)],
                 simpler, lambda shape, _: (shape[0], 1.6), borders=[LOW, HIGH],
-                equation=f"y -= share * (rise({y}) - creep({y}, time_constant, power, {_swing(scene):.8g}))",
+                equation=f"y -= share * (rise({y}) - creep({y}, time_constant, power, {scene.signals.strongest:.8g}))",
             )  # fmt: skip
 
         settled = f"lowpass({SPRING.symbol}, time_constant)"

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..recording.noise import rms
-from .base import Effect, Floats, Form, Parameter, Scene, at_either_end, between_ends, overdone, stroke
+from .base import Effect, Floats, Form, Parameter, Scene, at_either_end, between_ends, overdone
 from .images import is_constant_friction
 
 __all__ = ["ViscousFriction"]
@@ -40,7 +40,7 @@ def _by_position(scene: Scene, shape: tuple[float, ...]) -> Floats:
 
 
 def _by_distance(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    far = (scene.signals.smooth_x / stroke(scene)) ** 2
+    far = (scene.signals.smooth_x / scene.signals.stroke) ** 2
     return np.column_stack([(1.0 - far) * scene.signals.speed, far * scene.signals.speed])
 
 
@@ -104,7 +104,7 @@ class ViscousFriction(Effect):
             Form("linear, by position", ("damping_upper", "damping_lower"), _by_position, *both,
                  equation=f"y += {between_ends(scene, 'damping_upper', 'damping_lower')} * v"),
             Form("linear, by distance", ("damping_middle", "damping_ends"), _by_distance, *both, (), (), (), ("linear",),
-                 equation=f"y += (damping_middle + (x / {stroke(scene):.8g})**2 * (damping_ends - damping_middle)) * v"),
+                 equation=f"y += (damping_middle + (x / {scene.signals.stroke:.8g})**2 * (damping_ends - damping_middle)) * v"),
             Form("linear and quadratic", ("damping", "damping_2"), _quadratic, *both,
                  equation="y += damping * v + damping_2 * v * abs(v)"),
             Form("linear and cubic", ("damping", "damping_3"), _cubic, *both, equation="y += damping * v + damping_3 * v**3"),

@@ -64,6 +64,8 @@ class Signals:
         The deflection as its sensor gave it, rad, where ``x`` is without the sensor's noise.
     jitter : float
         What of that noise smoothing has left makes of the simulator's output, N·m.
+    sizes : mapping of str to float, optional
+        :attr:`told_in` of the recording on which laws were found that are to be followed on this one.
     """
 
     time: Floats
@@ -77,6 +79,7 @@ class Signals:
     warm_up: NDArray[np.bool_] | None = None
     recorded: Floats | None = None
     jitter: float = 0.0
+    sizes: Mapping[str, float] | None = None
 
     # ---- what follows from them ------------------------------------------------------------------------------------
 
@@ -152,7 +155,25 @@ class Signals:
     @cached_property
     def reach(self) -> float:
         """Half the range of the deflection, rad."""
-        return 0.5 * float(np.ptp(self.x))
+        return self._size("reach", 0.5 * float(np.ptp(self.x)))
+
+    @cached_property
+    def stroke(self) -> float:
+        """The largest deflection either way, rad."""
+        return self._size("stroke", float(np.max(np.abs(self.smooth_x))))
+
+    @cached_property
+    def strongest(self) -> float:
+        """The largest torque either way that the simulator tells, N·m."""
+        return self._size("strongest", float(np.max(np.abs(self.y_sim))))
+
+    @property
+    def told_in(self) -> dict[str, float]:
+        """Sizes whose numbers stand in laws."""
+        return {"reach": self.reach, "stroke": self.stroke, "strongest": self.strongest}
+
+    def _size(self, name: str, own: float) -> float:
+        return self.sizes[name] if self.sizes else max(own, 1e-300)
 
     @property
     def _measured(self) -> Floats:
