@@ -335,19 +335,18 @@ def test_one_factor_is_a_gain_and_several_errors_are_a_miscalibration() -> None:
     assert diagnosed(several, exclude=("torque_gain",)).verdict == ["miscalibration"]
 
 
-@pytest.mark.parametrize("seed", [46, 47])
-def test_a_factor_that_leaves_much_to_the_errors_beside_it_was_made_by_them(seed: int) -> None:
-    def leaf(stiffness: float, length: float, power: float, damping: float, elastic: float, limit: float) -> Floats:
-        # The free length of a leaf spring shortens as it rolls off: errors of the length and its power make a factor.
-        rolled = stiffness * X * (length / (length - 0.8 * np.abs(X))) ** power
-        return rolled + damping * SPEED + sliders(X, [(6.0 * elastic, 0.12 * limit), (2.0, 0.15 * limit)])
+@pytest.mark.parametrize("seed", [2, 8])
+def test_a_factor_that_errors_make_is_no_gain_where_they_do_better_without_it(seed: int) -> None:
+    def leaf(stiffness: float, length: float, roll: float, damping: float, elastic: float, limit: float) -> Floats:
+        # A leaf spring whose free length shortens as it rolls off: 4 % of the length make 12 % of the torque.
+        free = length - 0.2 * roll * (np.sqrt(X**2 + 0.01) - 0.1)
+        rubbing = sliders(X, [(6.0 * elastic, 0.12 * limit), (2.0 * elastic, 0.15 * limit)])
+        return 3.0 * stiffness * X / free**3 + 0.05 * damping * SPEED + rubbing
 
     drawn = np.random.default_rng(seed)
-    off = [1.0 + drawn.choice([-1, 1]) * drawn.uniform(0.03, 0.05) for _ in range(7)]
-    real = leaf(3.0 * off[0], 1.7 * off[1], 3.0 * off[2], 0.05 * off[4], off[5], off[6])
-    found = diagnose(signals(real, y_sim=leaf(3.0, 1.7, 3.0, 0.05, 1.0, 1.0)))
+    off = [1.0 + drawn.choice([-1, 1]) * drawn.uniform(0.03, 0.05) for _ in range(6)]
+    found = diagnose(signals(leaf(*off), y_sim=leaf(*[1.0] * 6)))
     assert found.verdict == ["miscalibration"]
-    assert ["miscalibration", "torque_gain"] in found.ambiguous
 
 
 def test_one_factor_beside_an_effect_is_a_gain_and_several_errors_are_a_miscalibration() -> None:
