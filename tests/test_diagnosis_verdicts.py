@@ -73,7 +73,10 @@ def test_several_small_errors_of_a_simulator_are_no_gain(seed: int) -> None:
     assert found.verdict == ["miscalibration"]
 
 
-@pytest.mark.parametrize(("factor", "verdicts"), [(1.0, [{"miscalibration"}]), (0.88, GAINS), (1.12, GAINS)])
+@pytest.mark.parametrize(
+    ("factor", "verdicts"),
+    [(0.8, GAINS), (0.88, GAINS), (1.0, [{"miscalibration"}]), (1.12, GAINS), (1.25, GAINS)],
+)
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_factor_beyond_what_parameters_off_by_a_few_per_cent_make_is_a_gain(
     factor: float, verdicts: list[set[str]], seed: int
@@ -88,6 +91,8 @@ def test_a_factor_beyond_what_parameters_off_by_a_few_per_cent_make_is_a_gain(
 
     found = diagnose(signals_of(time, x, factor * joint(errors), joint(np.ones(4)), seed))
     assert set(found.verdict) in verdicts
+    if factor == 1.0:
+        assert found.ambiguous == []
 
 
 def test_exponents_that_are_off_make_no_gain() -> None:

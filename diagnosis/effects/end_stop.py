@@ -36,11 +36,6 @@ def _damped(side: float) -> Columns:
     return columns
 
 
-def _both_damped(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    up, down = _damped(1.0)(scene, shape[:1]), _damped(-1.0)(scene, shape[1:])
-    return np.column_stack([up[:, 0], down[:, 0], up[:, 1], down[:, 1]])
-
-
 def _contact(side: float, power: float | None = None) -> Columns:
     """A stop that loses energy with its depth (Hunt & Crossley), by a power of it that is the last shape if it is not given."""
 
@@ -52,12 +47,11 @@ def _contact(side: float, power: float | None = None) -> Columns:
     return columns
 
 
-def _both_contacts(power: float | None = None) -> Columns:
-    """Two such stops, each by its own damping."""
+def _both(law: Callable[[float], Columns]) -> Columns:
+    """Two stops that lose energy, each at its own place by its own damping; further shapes are common to them."""
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        up = _contact(1.0, power)(scene, (shape[0], shape[-1]))
-        down = _contact(-1.0, power)(scene, (shape[1], shape[-1]))
+        up, down = law(1.0)(scene, (shape[0], *shape[2:])), law(-1.0)(scene, shape[1:])
         return np.column_stack([up[:, 0], down[:, 0], up[:, 1], down[:, 1]])
 
     return columns
@@ -189,11 +183,11 @@ class EndStop(Effect):
         ends, all_four = [top, bottom], ("stiffness_upper", "stiffness_lower", "damping", "damping_lower")
         any_size = (0.0,) * 4, (np.inf,) * 4
         made += [
-            Form("both, damped", all_four, _both_damped, *any_size, ("upper", "lower"), (), ends, ("both",),
+            Form("both, damped", all_four, _both(_damped), *any_size, ("upper", "lower"), (), ends, ("both",),
                  equation=f"y += {_lossy('upper', 1.0, 'damping')} + {_lossy('lower', 1.0, 'damping_lower')}"),
-            Form("both, Hunt-Crossley", all_four, _both_contacts(1.5), *any_size, ("upper", "lower"), (), ends, ("both, Hertz",),
+            Form("both, Hunt-Crossley", all_four, _both(lambda side: _contact(side, 1.5)), *any_size, ("upper", "lower"), (), ends, ("both, Hertz",),
                  equation=f"y += {_lossy('upper', 1.5, 'damping')} + {_lossy('lower', 1.5, 'damping_lower')}"),
-            Form(f"both, {ANY}", all_four, _both_contacts(), *any_size, ("upper", "lower", "power"), (), [*ends, POWERS],
+            Form(f"both, {ANY}", all_four, _both(_contact), *any_size, ("upper", "lower", "power"), (), [*ends, POWERS],
                  ("both", "both, Hertz", "both, damped", "both, Hunt-Crossley"), lambda shape, _: (*shape, 1.25),
                  equation=f"y += {_lossy('upper', 'power', 'damping')} + {_lossy('lower', 'power', 'damping_lower')}"),
         ]  # fmt: skip

@@ -238,24 +238,18 @@ class StressRelaxation(Effect):
             branches("two branches of the spring", SPRING, False, "of the torque"),
         ]
         dashpots = tuple(f"power-law dashpot, from the {part} down" for part in ("torque", "spring"))
+        risen = tuple(f"from the {part} down, of its rise" for part in ("torque", "spring"))
         begun_away = abs(s.smooth_x[0]) > AWAY * s.reach
         begun_amid = begun_away and len(s.runs) == 1
         # What a joint was held at before may be the rest from which it relaxes.
         fresh = [
             form
-            for part, name in (
-                (TORQUE, "from the torque down, of its rise"),
-                (SPRING, "from the spring down, of its rise"),
-            )
-            for form in (
-                branch(name, _since_the_start(part), True),
-                branches(f"{name}, two branches", _since_the_start(part), True, name),
-            )
-            if begun_away
+            for name, part in zip(risen, (_since_the_start(TORQUE), _since_the_start(SPRING)), strict=True)
+            for form in (branch(name, part, True), branches(f"{name}, two branches", part, True, name))
         ]
         return [
             *single,
-            *fresh,
+            *(fresh if begun_away else ()),
             *(_begun_before(form) for form in (*single, *up) if begun_amid),
             *(_begun_before(form, dashpot) for form, dashpot in zip(down, dashpots, strict=True) if begun_amid),
             Form("two branches", ("stiffness", "stiffness_2"), of_two, (0.0, 0.0), (np.inf, np.inf),
@@ -267,8 +261,8 @@ class StressRelaxation(Effect):
                  [(t, 2.0) for t in geometric(0.1 * low, high, 6)], [(0.02 * low, 1.2 * high), (1.2, 4.0)],
                  borders=[LOW, HIGH],
                  equation=f"y += stiffness * creep(x, time_constant, power, {s.reach:.8g})"),
-            yielding(dashpots[0], TORQUE, "from the torque down", "from the torque down, of its rise"),
-            yielding(dashpots[1], SPRING, "from the spring down", "from the spring down, of its rise"),
+            yielding(dashpots[0], TORQUE, "from the torque down", risen[0]),
+            yielding(dashpots[1], SPRING, "from the spring down", risen[1]),
             Form("creep in series, small", ("compliance",), _in_series, (0.0,), (np.inf,), ("time_constant",),
                  [(t,) for t in times[::2]], [limits], borders=[LOW], equation=in_series),
             Form("creep in series", ("_unit",), _compliant_in_series, (1.0,), (1.0,), ("time_constant", "compliance"), (),

@@ -66,11 +66,14 @@ def inputs(verdict: Sequence[str], features: Mapping[str, float]) -> dict[str, f
 def confidence(weights: Mapping[str, float], verdict: Sequence[str], features: Mapping[str, float]) -> float:
     """Probability that ``verdict`` is right, kept within [0.02, 0.995]: a finite bank proves no more."""
     total = sum(weights[name] * value for name, value in inputs(verdict, features).items())
-    return min(max(1.0 / (1.0 + math.exp(-min(max(total, -30.0), 30.0))), 0.02), 0.995)
+    return _within(1.0 / (1.0 + math.exp(-min(max(total, -30.0), 30.0))))
 
 
 def stated(probability: float) -> float:
     """What is stated of a chosen verdict whose confidence is ``probability``, within [0.02, 0.995] as well."""
-    inside = min(max(probability, 0.02), 0.995)
-    total = STATED[0] + STATED[1] * math.log(inside / (1.0 - inside))
-    return min(max(1.0 / (1.0 + math.exp(-total)), 0.02), 0.995)
+    inside = _within(probability)
+    return _within(1.0 / (1.0 + math.exp(-STATED[0]) * ((1.0 - inside) / inside) ** STATED[1]))
+
+
+def _within(probability: float) -> float:
+    return min(max(probability, 0.02), 0.995)

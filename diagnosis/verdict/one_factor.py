@@ -63,10 +63,10 @@ def as_one_factor(
     def is_large(factor: Hypothesis) -> bool:
         # Errors that make a factor by accident are themselves the better explanation.
         better = factor.score >= blank.score
+        if not _is_too_large(evidence, energy):
+            return better and may_be_a_factor(evidence, energy)
         by_itself = float(np.mean(np.square(evidence.gap - factor.part(GAIN)[evidence.rows]))) - evidence.sigma**2
-        if _is_too_large(evidence, energy):
-            return better or by_itself < LEFT_BY_ITSELF * energy
-        return better and may_be_a_factor(evidence, energy)
+        return better or by_itself < LEFT_BY_ITSELF * energy
 
     if not best.terms:
         factor = evidence.fit((_plain(evidence, gain),), evidence.exact)
