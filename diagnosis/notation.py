@@ -33,7 +33,9 @@ WORDS: Mapping[str, str] = MappingProxyType({
     "work": "∫|y dx| since the start",
     "damage": "∫y² |dx| since the start",
     "losses": "∫ y_memory dx since the start, the most that it has been",
+    "swings": "∫x² |dx| since the start",
     "reversals": "turns of the deflection since the start",
+    "turns": "turns of the deflection since the start, small ones as well",
 })  # fmt: skip
 """Words that are not numpy's, and what each means."""
 

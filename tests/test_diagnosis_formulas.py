@@ -136,6 +136,7 @@ def words() -> dict[str, Any]:
         "x": s.x, "v": s.speed, "a": s.acceleration, "t": time, "y": y, "y_spring": spring, "y_memory": memory,
         "stronger": stronger, "stiffer": stiffer, "travel": np.cumsum(np.abs(dx)), "work": np.cumsum(np.abs(y * dx)), "damage": np.cumsum(y**2 * np.abs(dx)),
         "losses": np.maximum.accumulate(np.maximum(np.cumsum(memory * dx), 0.0)), "reversals": s.reversals,
+        "swings": np.cumsum(x**2 * np.abs(dx)), "turns": s.turns,
         "dahl": dahl, "slip": slip, "play": play, "lowpass": lowpass, "creep": creep, "fractional": fractional, "resonator": resonator,
         "plays": lambda x, h1, h2: np.mean([play(x, h) for h in np.linspace(h1, h2, 7)], axis=0),
         "heat": lambda u, T: lowpass(np.abs(u), T, 0.0), "late": lambda u, T: np.interp(time - T, time, u),

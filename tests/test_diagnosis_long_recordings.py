@@ -148,6 +148,18 @@ def test_softening_by_the_logarithm_of_half_cycles_is_named() -> None:
     assert named["reversals_constant"] == pytest.approx(3.0, rel=0.25)
 
 
+def test_wear_by_every_turn_is_named_where_many_are_small() -> None:
+    time, x = motion(4000)
+    x = x + 0.03 * np.sin(2.0 * np.pi * 5.0 * time) * (np.sin(0.55 * time) > 0.0)
+    way = np.sign(np.diff(x, append=x[-1]))
+    count = np.cumsum(way[1:] * way[:-1] < 0.0, dtype=float)
+    recorded = signals(time[1:], x[1:], joint(x)[1:] * (1.0 - 0.1 * count / count[-1]))
+    assert recorded.turns[-1] > 2.0 * recorded.reversals[-1]
+    found = diagnose(recorded)
+    assert found.verdict == ["cyclic_softening"]
+    assert found.effects[0].law == "power of turns"
+
+
 def test_limits_that_differ_much_are_one_saturation() -> None:
     time, x = motion(4000)
     found = diagnose(signals(time, x, np.clip(joint(x), -1.2, 2.6)))

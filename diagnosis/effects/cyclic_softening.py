@@ -14,6 +14,8 @@ __all__ = ["CyclicSoftening"]
 Worn = Callable[[Scene, tuple[float, ...]], Floats]
 FEWEST = 10
 """Reversals below which their number is too coarse a count."""
+MORE = 1.2
+"""All turns over those that are no dither, from which it matters which of them count."""
 
 
 def _linear(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -31,6 +33,10 @@ def _travel(scene: Scene) -> Floats:
 
 def _reversals(scene: Scene) -> Floats:
     return scene.signals.reversals
+
+
+def _turns(scene: Scene) -> Floats:
+    return scene.signals.turns
 
 
 def _logarithm(used: Callable[[Scene], Floats]) -> Worn:
@@ -51,6 +57,12 @@ def _damage(scene: Scene) -> Floats:
     """Miner's sum with the square of the load."""
     s = scene.signals
     return s.per_run(lambda run: np.cumsum(scene.torque[run] ** 2 * np.abs(s.moved[run])))
+
+
+def _swings(scene: Scene) -> Floats:
+    """Travel of which large deflections count more, as in the fatigue of what is bent."""
+    s = scene.signals
+    return s.per_run(lambda run: np.cumsum(np.square(s.smooth_x[run]) * np.abs(s.moved[run])))
 
 
 def _losses(scene: Scene) -> Floats:
@@ -80,7 +92,7 @@ class CyclicSoftening(Effect):
     summary: ClassVar[str] = "torque that falls with accumulated travel (Mullins effect, wear, damage)"
     equation: ClassVar[str] = (
         "y −= a w y_sim (or a part of it),  w = 1 − exp(−travel/L), travel/(L + travel), log(1 + travel/L), travel, "
-        "travel^p, reversals^p, 1 − exp(−∫|y dx|/W), the same of ∫y² |dx| or of the losses, or 1 − exp(−reversals/N), log(1 + reversals/N)"
+        "travel^p, reversals^p, 1 − exp(−∫|y dx|/W), the same of ∫y² |dx|, of ∫x² |dx| or of the losses, or 1 − exp(−reversals/N), log(1 + reversals/N), small ones counted or not"
     )
     coordinate: ClassVar[str] = "travel"
     clock: ClassVar[str] = TRAVEL
@@ -98,6 +110,7 @@ class CyclicSoftening(Effect):
         Parameter("power", "1", 0.3, 3.0, "p of the travel or of the reversals, above one for damage that grows"),
         Parameter("work_constant", "J", 0.0, np.inf, "W, of the work ∫|y dx|"),
         Parameter("damage_constant", "N²·m²·rad", 0.0, np.inf, "of the damage ∫y² |dx|"),
+        Parameter("swing_constant", "rad³", 0.0, np.inf, "of the swings ∫x² |dx|"),
         Parameter("loss_constant", "J", 0.0, np.inf, "W', of the losses, the work ∮y dx of the part with memory"),
         Parameter("reversals_constant", "1", 0.0, np.inf, "N, half cycles after which 63 % of the loss has come"),
     )
@@ -106,7 +119,6 @@ class CyclicSoftening(Effect):
     def forms(self, scene: Scene) -> list[Form]:
         total = float(scene.signals.travel.max())
         work = max(float(_work(scene).max()), 1e-300)
-        turns = float(scene.signals.reversals.max())
         lengths = [(t,) for t in geometric(0.04 * total, 1.5 * total, 7)]
         # Softening that is over within a thirtieth of the recording could not be told from a gain.
         limits = (0.03 * total, 3.0 * total)
@@ -144,20 +156,23 @@ class CyclicSoftening(Effect):
         if losses > 0.0:
             made += law("by losses", "(1 - exp(-losses / loss_constant))", _exponential(_losses), "loss_constant",
                         [(share * losses,) for share in (0.2, 0.8, 3.0)], (0.03 * losses, 5.0 * losses))  # fmt: skip
-        if turns >= FEWEST:
+        swings = max(float(_swings(scene).max()), 1e-300)
+        made += law("by swings", "(1 - exp(-swings / swing_constant))", _exponential(_swings), "swing_constant",
+                    [(share * swings,) for share in (0.2, 0.8)], (0.03 * swings, 3.0 * swings))  # fmt: skip
+        counts = {"reversals": _reversals}
+        if float(scene.signals.turns.max()) > MORE * float(scene.signals.reversals.max()):
+            counts["turns"] = _turns
+        for count, used in counts.items():
+            turns = float(used(scene).max())
+            if turns < FEWEST:
+                continue
             numbers, ends = [(share * turns,) for share in (0.1, 0.3, 1.0)], (0.03 * turns, 3.0 * turns)
             for name, equation, worn in (
-                ("by reversals", "(1 - exp(-reversals / reversals_constant))", _exponential(_reversals)),
-                ("logarithm of reversals", "log(1 + reversals / reversals_constant)", _logarithm(_reversals)),
+                (f"by {count}", f"(1 - exp(-{count} / reversals_constant))", _exponential(used)),
+                (f"logarithm of {count}", f"log(1 + {count} / reversals_constant)", _logarithm(used)),
             ):
                 made += law(name, equation, worn, "reversals_constant", numbers, ends)
             made += law(
-                "power of reversals",
-                "reversals**power",
-                _power(_reversals),
-                "power",
-                [(0.5,), (0.8,)],
-                (0.3, 3.0),
-                np.inf,
+                f"power of {count}", f"{count}**power", _power(used), "power", [(0.5,), (0.8,)], (0.3, 3.0), np.inf
             )
         return made

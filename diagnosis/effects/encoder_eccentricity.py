@@ -64,6 +64,13 @@ def _columns(harmonics: int, home: str = "") -> Columns:
     return columns
 
 
+def _of_spring(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    """Bearings turn by what the joint turns; only the spring is where the sensor says."""
+    x, small = scene.signals.x, SMALL * scene.signals.reach
+    waves = np.sin(shape[0] * x), np.cos(shape[0] * x)
+    return np.column_stack([scene.spring_change(x + small * wave) / small for wave in waves])
+
+
 def _of_true_angle(home: str = "") -> Columns:
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         periods, sizes = shape[0], shape[1:]
@@ -111,7 +118,7 @@ class EncoderEccentricity(Effect):
     title: ClassVar[str] = "encoder eccentricity"
     summary: ClassVar[str] = "periodic error of the deflection (eccentric disc, magnet or gear)"
     equation: ClassVar[str] = (
-        "x → z, z = x + p sin(N z) + q cos(N z) [+ p2 sin(2 N z) + q2 cos(2 N z)] [− q − q2: zero at home, or only in what has memory], or with x on the right for z"
+        "x → z, z = x + p sin(N z) + q cos(N z) [+ p2 sin(2 N z) + q2 cos(2 N z)] [− q − q2: zero at home, or only in what has memory], or with x on the right for z, or only in the elastic part"
     )
     coordinate: ClassVar[str] = "position"
     acts_on: ClassVar[str] = INPUT
@@ -159,4 +166,8 @@ class EncoderEccentricity(Effect):
                 Form(f"two harmonics{told}", SIZES, _columns(2, home), (-wide,) * 4, (wide,) * 4, ("periods",), (), [span],
                      (sine,), borders=[LOW], equation=_equation(2, home)),
             ]  # fmt: skip
+        made.append(
+            Form("sine, of the spring", SIZES[:2], _of_spring, *small, ("periods",), (), [span], ("sine",), borders=[LOW],
+                 equation=f"{_equation(1, '')}, in the elastic part alone")
+        )  # fmt: skip
         return made

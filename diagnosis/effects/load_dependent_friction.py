@@ -10,6 +10,7 @@ import numpy as np
 
 from ..operators.levels import slid, yielding
 from .base import (
+    BOTH,
     LOW,
     NOT,
     PARTS,
@@ -79,15 +80,21 @@ def _powered(law: DirectionLaw, load: Callable[[Scene], Floats]) -> Callable[[Sc
     return columns
 
 
-def _pressed(load: Callable[[Scene], Floats], sliding: Callable[[Floats, Floats, float], Floats]) -> Columns:
-    """Contacts of constant stiffness that give way later the more they are pressed together.
+def _biased(law: DirectionLaw, load: Callable[[Scene], Floats]) -> Callable[[Scene, tuple[float, ...]], Floats]:
+    """Contacts that carry a weight or a preload as well."""
+    return lambda scene, shape: (np.abs(load(scene) + shape[1]) * law.signal(scene.signals, shape[0]))[:, None]
+
+
+def _pressed(
+    load: Callable[[Scene], Floats], most: float, sliding: Callable[[Floats, Floats, float], Floats]
+) -> Columns:
+    """Contacts of constant stiffness that give way later the more they are pressed together, ``most`` at the largest load.
 
     A second shape is their level where the joint is driven back, over the one where it drives.
     """
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         signals, carried = scene.signals, load(scene)
-        most = max(float(np.max(np.abs(carried))), 1e-300)
         level = np.abs(carried) / most
         if len(shape) > 1:
             level *= np.where(carried * signals.speed > 0.0, 1.0, shape[1])
@@ -98,8 +105,8 @@ def _pressed(load: Callable[[Scene], Floats], sliding: Callable[[Floats, Floats,
 
 
 def _loaded(scene: Scene) -> Floats:
-    """How much of the largest load there is, shape (n,)."""
-    return np.abs(scene.spring) / max(float(np.max(np.abs(scene.spring))), 1e-300)
+    """The load over the largest torque, shape (n,)."""
+    return np.abs(scene.spring) / scene.signals.strongest
 
 
 def _inside(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -120,7 +127,7 @@ class LoadDependentFriction(Effect):
     summary: ClassVar[str] = "friction in proportion to the transmitted load (gear teeth, pulleys, pressed seals)"
     equation: ClassVar[str] = (
         "y += μ |y_sim| s   (|load channel|, Y |y_sim/Y|^p with the largest torque Y or the elastic part in place of |y_sim|; μ' where the joint is driven "
-        "back, or the load is negative; contacts of constant stiffness that give way at μ |y_sim|, or at μ' |y_sim|; or friction inside the joint that slides later under load)"
+        "back, or the load is negative; or |y_sim + bias|; contacts of constant stiffness that give way at μ |y_sim|, or at μ' |y_sim|; or friction inside the joint that slides later under load)"
     )
     coordinate: ClassVar[str] = "load"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -133,9 +140,12 @@ class LoadDependentFriction(Effect):
         ),
         Parameter("friction_coefficient_back", "1", 0.0, np.inf, "μ', where the joint is driven back"),
         Parameter("friction_coefficient_below", "1", 0.0, np.inf, "where the load is negative, if it differs there"),
+        Parameter("bias", "N·m", -np.inf, np.inf, "load that the contacts carry besides: a weight, a preload"),
         Parameter("driven_ratio", "1", 0.1, 10.0, "μ' / μ"),
         Parameter("power", "1", 0.4, 1.25, "p of the load"),
-        Parameter("strength_gain", "1", 0.0, np.inf, "relative gain of the friction's strength at the largest load"),
+        Parameter(
+            "strength_gain", "1", 0.0, np.inf, "relative gain of the friction's strength under the largest torque"
+        ),
         *PRESLIDING,
     )
     confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "miscalibration")
@@ -145,7 +155,8 @@ class LoadDependentFriction(Effect):
         for name, values in scene.signals.channels.items():
             if any(word in name.lower() for word in LOAD_WORDS) and np.ptp(values) > 0.05 * np.max(np.abs(values)):
                 loads[name] = Part(name, _measured(name))
-        laws, most = direction_laws(scene), f"{scene.signals.strongest:.8g}"
+        laws, strongest = direction_laws(scene), scene.signals.strongest
+        most = f"{strongest:.8g}"
         made = [
             Form(f"by {name}, {law.name}", ("friction_coefficient",), _columns(law, load.of), (0.0,), (np.inf,),
                  (law.parameter,), [(value,) for value in law.grid], [law.limits],
@@ -181,29 +192,38 @@ class LoadDependentFriction(Effect):
                          f"abs({load.symbol}) * {law.equation}")
                     for of, load in carried.items()
                 ),
+                *(
+                    Form(f"by {of} and a bias, {law.name}", ("friction_coefficient",), _biased(law, load.of), (0.0,), (np.inf,),
+                         (law.parameter, "bias"), (), [law.limits, (-0.8 * strongest, 0.8 * strongest)], (f"by {of}, unequal sides, {law.name}",),
+                         lambda shape, found: (*shape, (0.2 if found[0] > found[1] else -0.2) * strongest),
+                         borders=[NOT, BOTH], equation=f"y += friction_coefficient * abs({load.symbol} + bias) * {law.equation}")
+                    for of, load in carried.items()
+                ),
             ]  # fmt: skip
         for of, load in {**loads, **carried}.items():
             pressing = f"abs({load.symbol})"
+            largest = strongest if of in carried else float(np.max(np.abs(load.of(scene))))
+            told_most = f"{largest:.8g}"
             for law in (law for law in laws if law.name in CONTACTS):
                 contact, word, sliding = CONTACTS[law.name]
-                told = f"{word}(x, {law.parameter}, {pressing} / max({pressing}))"
+                told = f"{word}(x, {law.parameter}, {pressing} / {told_most})"
                 made.append(
-                    Form(f"by {of}, {contact}", ("friction_coefficient",), _pressed(load.of, sliding), (0.0,), (np.inf,),
+                    Form(f"by {of}, {contact}", ("friction_coefficient",), _pressed(load.of, largest, sliding), (0.0,), (np.inf,),
                          (law.parameter,), (), [law.limits], (f"by {of}, {law.name}",),
-                         equation=f"y += friction_coefficient * max({pressing}) * {told}")
+                         equation=f"y += friction_coefficient * {told_most} * {told}")
                 )  # fmt: skip
         for of, load in carried.items():
             pressing = f"abs({load.symbol})"
             for law in (law for law in laws if law.name in CONTACTS):
                 contact, word, sliding = CONTACTS[law.name]
-                level = f"{pressing} / max({pressing}) * where({load.symbol} * v > 0, 1, driven_ratio)"
+                level = f"{pressing} / {most} * where({load.symbol} * v > 0, 1, driven_ratio)"
                 made.append(
-                    Form(f"by {of}, driving and driven, {contact}", ("friction_coefficient",), _pressed(load.of, sliding),
+                    Form(f"by {of}, driving and driven, {contact}", ("friction_coefficient",), _pressed(load.of, strongest, sliding),
                          (0.0,), (np.inf,), (law.parameter, "driven_ratio"), (), [law.limits, (0.1, 10.0)],
                          (f"by {of}, {contact}", *(f"by {of}, driving and driven, {other}" for other in CONTACTS)),
                          lambda shape, found: (shape[0], float(found[1] / found[0]) if found.size > 1 and found[0] > 0.0 else 0.7),
-                         equation=f"y += friction_coefficient * max({pressing}) * {word}(x, {law.parameter}, {level})")
+                         equation=f"y += friction_coefficient * {most} * {word}(x, {law.parameter}, {level})")
                 )  # fmt: skip
         inside = Form("inside the joint", ("strength_gain",), _inside, (0.0,), (np.inf,), about=_inside_about,
-                      equation="y += stronger(strength_gain * abs(y_spring) / max(abs(y_spring)))")  # fmt: skip
+                      equation=f"y += stronger(strength_gain * abs(y_spring) / {most})")  # fmt: skip
         return [*made, *less, inside]

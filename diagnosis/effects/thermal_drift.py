@@ -45,6 +45,10 @@ def _wave(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.column_stack([np.sin(angle), np.cos(angle) - 1.0])
 
 
+def _wave_begun_before(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    return np.asarray(_wave(scene, shape) + np.array([0.0, 1.0]))
+
+
 def _channel(name: str) -> Columns:
     def rise(scene: Scene, shape: tuple[float, ...]) -> Floats:
         return (scene.signals.channels[name] - scene.signals.channels[name][0])[:, None]
@@ -72,6 +76,10 @@ HEATED, RUBBED, CHURNED = "heat(y * v, time_constant)", "heat(y_memory * v, time
 
 def _slow_wave(name: str) -> str:
     return f"{name} * sin(2 * pi * t / period) + {name}_cos * (cos(2 * pi * t / period) - 1)"
+
+
+def _slow_wave_begun_before(name: str) -> str:
+    return f"{name} * sin(2 * pi * t / period) + {name}_cos * cos(2 * pi * t / period)"
 
 
 def _both(warming: str) -> str:
@@ -107,7 +115,7 @@ class ThermalDrift(Effect):
     summary: ClassVar[str] = "zero or stiffness that drifts with time or temperature while the joint warms up"
     equation: ClassVar[str] = (
         "y += a w, a w y_sim (or a part of it) or both, a w + a2 w2, or w times a sum of its parts,  w = 1 − exp(−t/τ), t, lagged |y v|, v² or |f v| of the part f with memory, sin(2πt/P) with "
-        "b (cos(2πt/P) − 1), or temperature rise"
+        "b (cos(2πt/P) − 1) or b cos(2πt/P), or temperature rise"
     )
     coordinate: ClassVar[str] = "time"
     clock: ClassVar[str] = ELAPSED
@@ -155,6 +163,9 @@ class ThermalDrift(Effect):
             _form("zero, self-heating", f"zero_drift * {HEATED}", zero, _self_heating, *heating),
             _form("zero, friction heating", f"zero_drift * {RUBBED}", zero, _friction_heating, *heating),
             _form("zero, slow wave", _slow_wave("zero_drift"), (*zero, "zero_drift_cos"), _wave, *waves),
+            _form("zero, slow wave, begun before", _slow_wave_begun_before("zero_drift"), (*zero, "zero_drift_cos"), _wave_begun_before, *waves),
+            _form("stiffness, slow wave, begun before", f"({_slow_wave_begun_before('stiffness_drift')}) * y",
+                  (*stiffness, "stiffness_drift_cos"), times(_wave_begun_before, _torque), *waves),
             _form("zero, self-heating and warming", f"zero_drift * {HEATED} + zero_drift_idle * {EXPONENTIAL}",
                   (*zero, "zero_drift_idle"), _both_heats, *slowly),
             heated,

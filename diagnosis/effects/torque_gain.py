@@ -16,8 +16,7 @@ def _columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
 
 
 def _curved(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    size = np.abs(scene.torque)
-    return (scene.torque * (1.0 - shape[0] * size / max(float(size.max()), 1e-300)))[:, None]
+    return (scene.torque * (1.0 - shape[0] * np.abs(scene.torque) / scene.signals.strongest))[:, None]
 
 
 class TorqueGain(Effect):
@@ -26,7 +25,7 @@ class TorqueGain(Effect):
     id: ClassVar[str] = "torque_gain"
     title: ClassVar[str] = "torque gain"
     summary: ClassVar[str] = "torque larger or smaller by one factor (sensor scale, torque constant)"
-    equation: ClassVar[str] = "y += g y_sim, or g y_sim (1 − q |y_sim| / max |y_sim|)"
+    equation: ClassVar[str] = "y += g y_sim, or g y_sim (1 − q |y_sim| / Y) with the largest torque Y"
     coordinate: ClassVar[str] = "load"
     acts_on: ClassVar[str] = SENSOR
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -40,5 +39,6 @@ class TorqueGain(Effect):
         return [
             Form("factor", own, _columns, (-1.0,), (1.0,), equation="y += gain_error * y"),
             Form("compressed factor", own, _curved, (-1.0,), (1.0,), ("compression",), (), [(-0.4, 0.4)], ("factor",),
-                 lambda shape, coefficients: (0.1,), equation="y += gain_error * y * (1 - compression * abs(y) / max(abs(y)))"),
+                 lambda shape, coefficients: (0.1,),
+                 equation=f"y += gain_error * y * (1 - compression * abs(y) / {scene.signals.strongest:.8g})"),
         ]  # fmt: skip

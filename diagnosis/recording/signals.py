@@ -31,6 +31,8 @@ APART = 0.05
 """Radians of the motion's mean frequency between samples whose noise counts as independent."""
 SWING = 0.08
 """Part of the reach that a turn must swing back to be one."""
+LEAST_SWING = 0.01
+"""The same where small turns count as well."""
 KNOCK, KNOCK_SAMPLES, MOST_KNOCKS = 6.0, 4, 0.35
 """How far a knock leaves the running median (noise levels), how long it lasts at most, and the most of a recording."""
 CERTAIN = 2.5
@@ -268,9 +270,16 @@ class Signals:
     @cached_property
     def reversals(self) -> Floats:
         """Turns of the motion since the recording began, shape (n,); a small dither between two of them is none."""
+        return self._turns_by(SWING * self.reach)
 
+    @cached_property
+    def turns(self) -> Floats:
+        """The same with all but the smallest of these, shape (n,)."""
+        return self._turns_by(max(LEAST_SWING * self.reach, self._dead_band))
+
+    def _turns_by(self, swing: float) -> Floats:
         def counted(run: slice) -> Floats:
-            way = directions(self.smooth_x[run], SWING * self.reach)
+            way = directions(self.smooth_x[run], swing)
             return np.cumsum(np.abs(np.diff(way, prepend=way[0])) > 1, dtype=np.float64)
 
         return self.per_run(counted)

@@ -1,0 +1,215 @@
+"""Laws as other laboratories write them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter, lsim
+from slider_joint import (
+    ACCELERATION,
+    ELEMENTS,
+    NOISE,
+    SIGN,
+    SPEED,
+    STEP,
+    TIME,
+    TRAVEL,
+    Floats,
+    X,
+    diagnosed,
+    friction,
+    joint,
+    spring,
+)
+
+from hystbench.diagnosis.diagnosis import diagnose
+from hystbench.diagnosis.recording.signals import Signals
+
+
+def gear(driving: float, driven: float) -> Floats:
+    lost = np.abs(joint(X)) * SIGN
+    return joint(X) + lost * np.where(SIGN * joint(X) > 0.0, driving, driven)
+
+
+def gap_off_centre(middle: float, half: float) -> Floats:
+    return joint(X - np.clip(X - middle, -half, half) + np.clip(-middle, -half, half))
+
+
+def ahead(half: float) -> Floats:
+    """How far the motion is ahead of what it drags through a clearance of ±``half``."""
+    at, out = 0.0, np.zeros_like(X)
+    for i, x in enumerate(X):
+        at = min(max(at, x - half), x + half)
+        out[i] = x - at
+    return out
+
+
+def swinging(inertia: float, frequency: float, damping: float) -> Floats:
+    """Torque of a mass that swings on a compliance driven by the motion, from its equation of motion."""
+    mass = ([inertia * frequency**2, 0.0, 0.0], [1.0, 2.0 * damping * frequency, frequency**2])
+    return np.asarray(lsim(mass, X, TIME)[1])
+
+
+def creeping(stiffness: float, tau: float, power: float, substeps: int = 20) -> Floats:
+    """A spring behind a dashpot that yields with a power of its load, by small steps."""
+    load, out = 0.0, np.zeros_like(X)
+    for i in range(1, X.size):
+        for _ in range(substeps):
+            load += (X[i] - X[i - 1]) / substeps - load / tau * abs(load) ** (power - 1.0) * STEP / substeps
+        out[i] = stiffness * load
+    return out
+
+
+def creeping_in_series(stiffness: float, tau: float, substeps: int = 4) -> Floats:
+    """The same joint behind a spring and a dashpot side by side, which its torque stretches."""
+    crept, place, force, out = 0.0, 0.0, np.zeros(3), np.zeros_like(X)
+    elastic, limit = (np.array(part) for part in zip(*ELEMENTS, strict=True))
+    for i in range(1, X.size):
+        for k in range(substeps):
+            before, place = place, X[i - 1] + (X[i] - X[i - 1]) * (k + 1) / substeps - crept
+            force = np.clip(force + elastic * (place - before), -limit, limit)
+            torque = 4.0 * place + 0.6 * place**3 + force.sum()
+            crept += STEP / substeps * (torque / stiffness - crept) / tau
+        out[i] = torque
+    return out
+
+
+def yielding(y: Floats, tau: float, level: float, substeps: int = 20) -> Floats:
+    """What of ``y`` a dashpot by Eyring has let go, which yields the faster the more it is loaded over ``level``."""
+    gone, out = 0.0, np.zeros_like(y)
+    for i in range(1, y.size):
+        for k in range(substeps):
+            load = y[i - 1] + (y[i] - y[i - 1]) * k / substeps - gone
+            gone += STEP / substeps / tau * level * np.sinh(load / level)
+        out[i] = gone
+    return out
+
+
+def rubbed_warm(tau: float) -> Floats:
+    """Temperature by friction's losses against cooling, from 0 to about 1."""
+    power = np.abs(friction(X) * SPEED)
+    warm = lfilter([STEP / tau], [1.0, STEP / tau - 1.0], power)
+    return np.asarray(warm / warm.max())
+
+
+def soft_limit(y: Floats, limit: float) -> Floats:
+    return np.where(y < 0.0, y / (1.0 + np.abs(y / limit) ** 6.0) ** (1.0 / 6.0), y)
+
+
+def voltage_limit(y: Floats, limit: float, idle: float) -> Floats:
+    """What a motor drives with falls with the speed; it brakes with all it has."""
+    left = np.where(y * SPEED > 0.0, limit * (1.0 - np.abs(SPEED) / idle), limit)
+    return np.clip(y, -left, left)
+
+
+LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
+    "warm grease": ("thermal_drift", lambda: spring(X) + friction(X) * (1.0 - 0.5 * (1.0 - np.exp(-TIME / 9.0)))),
+    "room temperature": ("thermal_drift", lambda: joint(X) * (1.0 + 0.06 * np.sin(2.0 * np.pi * TIME / 30.0))),
+    "a spring that wears": ("cyclic_softening", lambda: spring(X) * (1.0 - 0.15 * np.sqrt(TRAVEL / TRAVEL[-1])) + friction(X)),
+    "a quadratic spring": ("stiffness_asymmetry", lambda: joint(X) + 0.35 * X**2),
+    "a gap off the centre": ("backlash", lambda: gap_off_centre(0.2, 0.05)),
+    "keys that are loose behind the bearings": ("backlash", lambda: spring(X - ahead(0.02)) + friction(X)),
+    "a gap off the centre behind the seals": (
+        "backlash", lambda: spring(X - np.clip(X - 0.6, -0.1, 0.1) - 0.1) + friction(X)
+    ),
+    "a gap of which one flank is zero": ("backlash", lambda: joint(X - np.clip(X - 0.2, -0.05, 0.05))),
+    "a coupling that gives way before the bearings": (
+        "torque_saturation", lambda: np.clip(spring(X), -3.3, 3.3) + friction(X)
+    ),
+    "a bore that narrows both ways": ("viscous_friction", lambda: joint(X) + 0.05 * (1.0 + 1.5 * X**2) * SPEED),
+    "a rope that rubs under tension": (
+        "load_dependent_friction", lambda: joint(X) + 0.08 * np.maximum(joint(X), 0.0) * SIGN
+    ),
+    "teeth that spread under load": ("load_dependent_friction", lambda: joint(X) + 0.03 * np.abs(joint(X)) ** 1.25 * SIGN),
+    "damage by large strokes": (
+        "cyclic_softening", lambda: joint(X) * (1.0 - 0.1 * np.cumsum(X**2 * np.abs(SPEED)) / np.sum(X**2 * np.abs(SPEED)))
+    ),
+    "a polymer that yields under load": ("stress_relaxation", lambda: joint(X) - 0.12 * yielding(spring(X), 2.0, 1.5)),
+    "thinning grease": ("viscous_friction", lambda: joint(X) + 0.15 * np.arcsinh(SPEED / 0.6)),
+    "saturating grease": ("viscous_friction", lambda: joint(X) + 0.2 * np.arctan(SPEED / 0.9)),
+    "a gear's efficiency": ("load_dependent_friction", lambda: gear(0.1, 0.06)),
+    "a capstan": ("load_dependent_friction", lambda: joint(X) + 0.08 * np.abs(spring(X)) * SIGN),
+    "a bridge that shifted soon": ("torque_offset", lambda: joint(X) + 0.15 * (TIME > 1.7)),
+    "a preloaded spring": ("deflection_offset", lambda: spring(X + 0.08) + friction(X)),
+    "a preload that settles": (
+        "deflection_offset", lambda: spring(X + 0.08 * (1.0 - 0.35 * np.exp(-TIME / 1.5))) + friction(X)
+    ),
+    "unequal directions": ("coulomb_friction", lambda: joint(X) + 0.25 * (SIGN + 0.12 * np.abs(SIGN))),
+    "a filter behind a bus": (
+        "sensor_delay",
+        lambda: lfilter([0.4], [1.0, -0.6], np.interp(TIME - 0.02, TIME, joint(X))),
+    ),
+    "a linkage": ("inertia", lambda: joint(X) + 0.012 * (1.0 + 0.8 * X) * ACCELERATION + 0.5 * 0.012 * 0.8 * SPEED**2),
+    "a mass that comes along on one side": ("inertia", lambda: joint(X) + 0.015 * (1.0 + 0.9 * X) * ACCELERATION),
+    "a damper with a valve": ("viscous_friction", lambda: joint(X) + np.where(SPEED > 0.0, 0.12, 0.03) * SPEED),
+    "a bore that narrows": ("viscous_friction", lambda: joint(X) + 0.08 * (1.0 + 0.8 * X) * SPEED),
+    "a belt that creeps under load": ("stress_relaxation", lambda: joint(X) + creeping(0.5, 0.4, 2.6)),
+    "a rubber mount": ("stress_relaxation", lambda: creeping_in_series(60.0, 0.8)),
+    "churning oil": ("viscous_friction", lambda: joint(X) + 0.05 * SPEED + 0.02 * SPEED**3),
+    "heat that soaks in": ("thermal_drift", lambda: joint(X) * (1.0 - 0.06 * np.sqrt(TIME / TIME[-1]))),
+    "grease that thins steadily": ("thermal_drift", lambda: spring(X) + friction(X) * (1.0 - 0.4 * TIME / TIME[-1])),
+    "damage that grows": ("cyclic_softening", lambda: joint(X) * (1.0 - 0.08 * (TRAVEL / TRAVEL[-1]) ** 2)),
+    "a spring that wears steadily": ("cyclic_softening", lambda: spring(X) * (1.0 - 0.08 * TRAVEL / TRAVEL[-1]) + friction(X)),
+    "a side that hardens steeply": ("stiffness_asymmetry", lambda: joint(X) + 0.6 * np.maximum(X, 0.0) ** 3),
+    "a spring that slackens on the way back": (
+        "stiffness_asymmetry", lambda: spring(X) * np.where(X > 0.0, 1.08, 0.98) + friction(X)
+    ),
+    "a spring that stiffens across": ("stiffness_asymmetry", lambda: spring(X) * (1.0 + 0.08 * X) + friction(X)),
+    "a spring that stiffens under load": ("stiffness_asymmetry", lambda: spring(X) * np.where(joint(X) > 0.0, 1.08, 1.0) + friction(X)),
+    "a mass on a compliant shaft": ("inertia", lambda: joint(X) + swinging(0.02, 9.0, 0.05)),
+    "spring and grease that warm up": (
+        "thermal_drift",
+        lambda: spring(X) * (1.0 + 0.05 * (np.exp(-TIME / 9.0) - 1.0)) + friction(X) * (1.0 + 0.5 * (np.exp(-TIME / 9.0) - 1.0)),
+    ),
+    "a spring that friction heats": ("thermal_drift", lambda: spring(X) * (1.0 - 0.3 * rubbed_warm(15.0)) + friction(X)),
+    "a sensor that friction heats": ("thermal_drift", lambda: joint(X) - 0.25 * rubbed_warm(4.0)),
+    "a soft limit on one side": ("torque_saturation", lambda: soft_limit(joint(X), 2.6)),
+    "unequal limits": ("torque_saturation", lambda: np.clip(joint(X), -1.9, 2.4)),
+    "a coupling whose far side still stiffens a little": (
+        "torque_saturation", lambda: spring(X) - 0.75 * (spring(X) - np.clip(spring(X), -3.0, 3.0)) + friction(X)
+    ),
+    "a motor that runs out of voltage": ("torque_saturation", lambda: voltage_limit(joint(X), 3.2, 1.6 * float(np.max(np.abs(SPEED))))),
+    "day and night": ("thermal_drift", lambda: joint(X) + 0.15 * np.sin(2.0 * np.pi * TIME / 21.0 + 1.0)),
+    "an encoder ring on the spring's shaft": (
+        "encoder_eccentricity", lambda: spring(X + 0.03 * np.sin(9.0 * X + 0.2)) + friction(X)
+    ),
+    "bearings that carry a weight": (
+        "load_dependent_friction", lambda: joint(X) + 0.08 * np.abs(spring(X) - 0.8) * SIGN
+    ),
+    "a sensor's compression": ("torque_gain", lambda: joint(X) * (1.12 - 0.01 * np.abs(joint(X)))),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_law_of_another_hand_is_named(law: str) -> None:
+    expected, made = LAWS[law]
+    assert diagnosed(made()).verdict == [expected]
+
+
+@pytest.mark.parametrize(("frequency", "verdict"), [(14.8, "unknown"), (20.0, "inertia")])
+def test_a_mass_that_resonates_near_the_motions_band_is_no_inertia(frequency: float, verdict: str) -> None:
+    # The fastest tone is at 10 rad/s.
+    begun = 1.0 - np.exp(-TIME)
+    x = (0.5 * np.sin(1.1 * TIME) + 0.3 * np.sin(0.37 * TIME) + 0.05 * np.sin(10.0 * TIME)) * begun
+    mass = ([0.02 * frequency**2, 0.0, 0.0], [1.0, 0.1 * frequency, frequency**2])
+    real = joint(x) + np.asarray(lsim(mass, x, TIME)[1]) + NOISE * np.random.default_rng(1).standard_normal(x.size)
+    assert diagnose(Signals(TIME, x, real, joint(x), [slice(0, x.size)], {})).verdict == [verdict]
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        "a spring that slackens on the way back",
+        "a spring that stiffens across",
+        "a spring that stiffens under load",
+        "churning oil",
+        "grease that thins steadily",
+        "a spring that wears steadily",
+    ],
+)
+def test_a_law_that_is_known_leaves_nothing(law: str) -> None:
+    found = diagnosed(LAWS[law][1]())
+    assert found.effects[0].adequacy == "adequate"
+    assert found.choice.features["in_sample_left"] < 0.1
