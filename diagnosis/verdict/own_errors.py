@@ -14,7 +14,6 @@ import numpy as np
 from ..hypotheses.adequacy import is_adequate, left_by
 from ..hypotheses.evidence import FINE, Evidence, Hypothesis, Scale, count_unknowns, is_refitted
 from ..hypotheses.search import NOTHING
-from ..names import GAIN
 from .parsimony import beside_exact, in_place_of
 from .priors import BESIDE_OFF, IDLE, STANDS_IN, prior
 from .strain import is_strained, largest_error
