@@ -152,6 +152,9 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
     "grease that thins steadily": ("thermal_drift", lambda: spring(X) + friction(X) * (1.0 - 0.4 * TIME / TIME[-1])),
     "damage that grows": ("cyclic_softening", lambda: joint(X) * (1.0 - 0.08 * (TRAVEL / TRAVEL[-1]) ** 2)),
     "a spring that wears steadily": ("cyclic_softening", lambda: spring(X) * (1.0 - 0.08 * TRAVEL / TRAVEL[-1]) + friction(X)),
+    "a spring that engages softly from somewhere on": (
+        "stiffness_asymmetry", lambda: joint(X) + 0.02 * np.logaddexp(0.0, (X + 0.1) / 0.05)
+    ),
     "a side that hardens steeply": ("stiffness_asymmetry", lambda: joint(X) + 0.6 * np.maximum(X, 0.0) ** 3),
     "a spring that slackens on the way back": (
         "stiffness_asymmetry", lambda: spring(X) * np.where(X > 0.0, 1.08, 0.98) + friction(X)

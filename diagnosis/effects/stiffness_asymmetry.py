@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import PARTS, Columns, Effect, Floats, Form, Parameter, Part, Scene
+from .base import BOTH, NOT, PARTS, Columns, Effect, Floats, Form, Parameter, Part, Scene
 from .images import is_shifted_spring
 
 __all__ = ["StiffnessAsymmetry"]
@@ -54,6 +54,16 @@ def _rounded(side: float, part: Callable[[Scene], Floats]) -> Columns:
     return columns
 
 
+def _from_place(side: float) -> Columns:
+    """Stiffer from a place on that is not the zero, on the side of ±1 of it; all of the change is rounded."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        place, knee = shape
+        return (side * knee * np.logaddexp(0.0, side * (scene.signals.smooth_x - place) / knee))[:, None]
+
+    return columns
+
+
 def _unequal(scene: Scene, shape: tuple[float, ...]) -> Floats:
     """Stiffer on one side and softer on the other, each by a part of its own."""
     x, spring = scene.signals.smooth_x, scene.spring
@@ -96,7 +106,7 @@ class StiffnessAsymmetry(Effect):
     title: ClassVar[str] = "stiffness asymmetry"
     summary: ClassVar[str] = "stiffer on one side than on the other (unequal springs, one-sided contact)"
     equation: ClassVar[str] = (
-        "y += k max(±x, 0), k |x| (sharp or rounded), k2 x² (also on one side), Y (±x/X)^p on one side of the stroke X, g y_sim or its elastic part on one side, under torque of one sign, in proportion to x or of opposite sign "
+        "y += k max(±x, 0), k |x| (sharp or rounded), the first also from another place on, k2 x² (also on one side), Y (±x/X)^p on one side of the stroke X, g y_sim or its elastic part on one side, under torque of one sign, in proportion to x or of opposite sign "
         "on both, or x → x + s max(±x, 0)"
     )
     coordinate: ClassVar[str] = "position"
@@ -116,6 +126,7 @@ class StiffnessAsymmetry(Effect):
         Parameter("other_gain", "1", -1.0, 1.0, "the same of the negative side the other way round"),
         Parameter("extra_torque", "N·m", -np.inf, np.inf, "Y, of one side at the stroke's end"),
         Parameter("power", "1", 1.2, 5.0, "p, with which that grows"),
+        Parameter("place", "rad", -np.inf, np.inf, "from which on it is stiffer, where that is not the zero"),
         Parameter("knee", "rad", 0.0, np.inf, "width over which the stiffness changes"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("end_stop", "deflection_offset", "torque_gain")
@@ -164,6 +175,15 @@ class StiffnessAsymmetry(Effect):
             Form(f"hardening, {told}", ("extra_torque",), _hardening_by(side), *free, ("power",), (), [(1.2, 5.0)],
                  (f"quadratic, {told}",), lambda shape, coefficients: (2.5,),
                  equation=f"y += {sign}extra_torque * (maximum({sign}x, 0) / {reach:.8g})**power")
+            for side, sign, told in ((1.0, "", "upper side"), (-1.0, "-", "lower side"))
+        ]  # fmt: skip
+        middle = 0.5 * float(scene.signals.smooth_x.min() + scene.signals.smooth_x.max())
+        made += [
+            # Nearer to the ends it would be a stop.
+            Form(f"from a place on, {told}", ("extra_stiffness",), _from_place(side), *free, ("place", "knee"), (),
+                 [(middle - 0.25 * reach, middle + 0.25 * reach), *knee], (f"spring, {told}",),
+                 lambda shape, coefficients: (middle, 0.03 * reach), borders=[BOTH, NOT],
+                 equation=f"y += {sign}extra_stiffness * knee * logaddexp(0, {sign}(x - place) / knee)")
             for side, sign, told in ((1.0, "", "upper side"), (-1.0, "-", "lower side"))
         ]  # fmt: skip
         for what, part, name, bounds in (

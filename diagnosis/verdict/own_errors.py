@@ -28,7 +28,7 @@ TWO, ONE = 0.014, 0.1
 beside an exact one."""
 SECOND = 0.003
 """Evidence a sample that a second effect beside an exact simulator must bring beyond the errors of one that is off: 0.0031 at least
-where it was there, of 200 pairs of strangers, and 0.0026 at most where it was not, but for 4 of 300 simulators that were off."""
+where it was there, of 200 pairs of strangers, and 0.0026 at most where it was not, but for 3 of 300 simulators that were off."""
 CLEARLY_WORSE = 0.004
 """Evidence a sample by which smaller errors must do worse than errors of a tenth for these to be needed."""
 FAR, AS_GOOD = 3.0, 0.004
