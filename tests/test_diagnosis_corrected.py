@@ -118,6 +118,21 @@ def test_a_law_is_the_same_on_a_motion_of_another_size(law: str) -> None:
     assert closed_by(again.predict(other), real(small, other), joint(other)) > 0.97
 
 
+def test_wear_by_every_turn_goes_on_where_there_are_few() -> None:
+    def worn(time: Floats, x: Floats) -> Floats:
+        turned = np.diff(x[1:]) * np.diff(x[:-1]) < 0.0
+        return joint(x) * (1.0 - 0.001 * np.cumsum(np.r_[0.0, turned, 0.0]))
+
+    time, x = motion(0.31, 1.13)
+    x = x + 0.03 * np.sin(2.0 * np.pi * 5.0 * time) * (np.sin(0.55 * time) > 0.0)
+    found = diagnosed(worn(time, x), joint(x), time, x)
+    assert found.effects[0].law.endswith("of turns")
+    corrected = corrected_simulator(found, calibrated(found, None))
+    slow = 0.8 * np.sin(2.0 * np.pi * 0.15 * time)
+    assert np.sum(np.diff(slow[1:]) * np.diff(slow[:-1]) < 0.0) == 9
+    assert closed_by(corrected.predict(slow), worn(time, slow), joint(slow)) > 0.6
+
+
 def test_a_corrected_simulator_whose_sizes_are_no_sizes_is_refused() -> None:
     time, x = motion(0.31, 1.13)
     found = diagnosed(damped(time, x), joint(x), time, x)

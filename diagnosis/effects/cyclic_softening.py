@@ -152,19 +152,21 @@ class CyclicSoftening(Effect):
         damage = max(float(_damage(scene).max()), 1e-300)
         made += law("by damage", "(1 - exp(-damage / damage_constant))", _exponential(_damage), "damage_constant",
                     [(share * damage,) for share in (0.2, 0.8)], (0.03 * damage, 3.0 * damage))  # fmt: skip
+        # A law that was found elsewhere goes on, however little there is to count.
+        found = bool(scene.signals.sizes)
         losses = float(_losses(scene).max())
-        if losses > 0.0:
+        if losses > 0.0 or found:
             made += law("by losses", "(1 - exp(-losses / loss_constant))", _exponential(_losses), "loss_constant",
                         [(share * losses,) for share in (0.2, 0.8, 3.0)], (0.03 * losses, 5.0 * losses))  # fmt: skip
         swings = max(float(_swings(scene).max()), 1e-300)
         made += law("by swings", "(1 - exp(-swings / swing_constant))", _exponential(_swings), "swing_constant",
                     [(share * swings,) for share in (0.2, 0.8)], (0.03 * swings, 3.0 * swings))  # fmt: skip
         counts = {"reversals": _reversals}
-        if float(scene.signals.turns.max()) > MORE * float(scene.signals.reversals.max()):
+        if found or float(scene.signals.turns.max()) > MORE * float(scene.signals.reversals.max()):
             counts["turns"] = _turns
         for count, used in counts.items():
             turns = float(used(scene).max())
-            if turns < FEWEST:
+            if turns < FEWEST and not found:
                 continue
             numbers, ends = [(share * turns,) for share in (0.1, 0.3, 1.0)], (0.03 * turns, 3.0 * turns)
             for name, equation, worn in (
