@@ -26,7 +26,7 @@ from .hypotheses.refitting import fitted_again
 from .names import MISCALIBRATION, UNKNOWN
 from .notation import GENERAL, explained
 from .recording.noise import rms
-from .recording.signals import Signals
+from .recording.signals import TOLD, Signals
 from .result import Diagnosis
 
 __all__ = ["CorrectedSimulator", "calibrated", "corrected_simulator", "formula"]
@@ -34,7 +34,6 @@ __all__ = ["CorrectedSimulator", "calibrated", "corrected_simulator", "formula"]
 Floats = NDArray[np.float64]
 ARRAYS = ("thresholds", "lengths", "elastic", "placed", "weights", "rates")
 NUMBERS = ("reach", "fast")
-SIZES = {"reach", "stroke", "strongest"}
 PLAIN, FEWEST = 2, 5
 """Samples of a plain difference, and the fewest of a local cubic that tells a speed from noise."""
 CLEAR = 0.02
@@ -185,8 +184,8 @@ class CorrectedSimulator(HysteresisModel):
 
 
 def _checked_sizes(given: Any) -> dict[str, float]:
-    if not isinstance(given, Mapping) or (given and set(given) != SIZES):
-        raise InputError(f"parameter sizes must hold {', '.join(sorted(SIZES))}, or nothing")
+    if not isinstance(given, Mapping) or (given and set(given) != set(TOLD)):
+        raise InputError(f"parameter sizes must hold {', '.join(TOLD)}, or nothing")
     sizes = {name: parameter_number(name, value) for name, value in given.items()}
     if any(value <= 0.0 for value in sizes.values()):
         raise InputError(f"parameter sizes must be positive; they are {sizes}")

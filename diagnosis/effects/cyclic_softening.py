@@ -48,21 +48,21 @@ def _power(used: Callable[[Scene], Floats]) -> Worn:
     return lambda scene, shape: np.asarray(used(scene) ** shape[0])
 
 
-def _work(scene: Scene) -> Floats:
-    s = scene.signals
-    return s.per_run(lambda run: np.cumsum(np.abs(scene.torque[run]) * np.abs(s.moved[run])))
+def _travelled(weight: Callable[[Scene], Floats]) -> Callable[[Scene], Floats]:
+    """Travel of which each bit counts by ``weight``."""
+
+    def used(scene: Scene) -> Floats:
+        s, weights = scene.signals, weight(scene)
+        return s.per_run(lambda run: np.cumsum(weights[run] * np.abs(s.moved[run])))
+
+    return used
 
 
-def _damage(scene: Scene) -> Floats:
-    """Miner's sum with the square of the load."""
-    s = scene.signals
-    return s.per_run(lambda run: np.cumsum(scene.torque[run] ** 2 * np.abs(s.moved[run])))
-
-
-def _swings(scene: Scene) -> Floats:
-    """Travel of which large deflections count more, as in the fatigue of what is bent."""
-    s = scene.signals
-    return s.per_run(lambda run: np.cumsum(np.square(s.smooth_x[run]) * np.abs(s.moved[run])))
+_work = _travelled(lambda scene: np.abs(scene.torque))
+# Miner's sum with the square of the load.
+_damage = _travelled(lambda scene: scene.torque**2)
+# Fatigue of what is bent: large deflections count more.
+_swings = _travelled(lambda scene: np.square(scene.signals.smooth_x))
 
 
 def _losses(scene: Scene) -> Floats:
@@ -118,7 +118,6 @@ class CyclicSoftening(Effect):
 
     def forms(self, scene: Scene) -> list[Form]:
         total = float(scene.signals.travel.max())
-        work = max(float(_work(scene).max()), 1e-300)
         lengths = [(t,) for t in geometric(0.04 * total, 1.5 * total, 7)]
         # Softening that is over within a thirtieth of the recording could not be told from a gain.
         limits = (0.03 * total, 3.0 * total)
@@ -146,21 +145,20 @@ class CyclicSoftening(Effect):
             *law("hyperbolic", "travel / (travel_constant + travel)", _hyperbolic, "travel_constant", lengths, limits),
             *law("logarithm", "log(1 + travel / travel_constant)", _logarithm(_travel), "travel_constant", lengths[1::2], limits),
             *law("power of travel", "travel**power", _power(_travel), "power", [(0.5,), (0.75,), (1.8,)], (0.3, 3.0), np.inf),
-            *law("by work", "(1 - exp(-work / work_constant))", _exponential(_work), "work_constant",
-                 [(share * work,) for share in (0.1, 0.4, 1.5)], (0.03 * work, 3.0 * work)),
         ]  # fmt: skip
-        damage = max(float(_damage(scene).max()), 1e-300)
-        made += law("by damage", "(1 - exp(-damage / damage_constant))", _exponential(_damage), "damage_constant",
-                    [(share * damage,) for share in (0.2, 0.8)], (0.03 * damage, 3.0 * damage))  # fmt: skip
         # A law that was found elsewhere goes on, however little there is to count.
         found = bool(scene.signals.sizes)
-        losses = float(_losses(scene).max())
-        if losses > 0.0 or found:
-            made += law("by losses", "(1 - exp(-losses / loss_constant))", _exponential(_losses), "loss_constant",
-                        [(share * losses,) for share in (0.2, 0.8, 3.0)], (0.03 * losses, 5.0 * losses))  # fmt: skip
-        swings = max(float(_swings(scene).max()), 1e-300)
-        made += law("by swings", "(1 - exp(-swings / swing_constant))", _exponential(_swings), "swing_constant",
-                    [(share * swings,) for share in (0.2, 0.8)], (0.03 * swings, 3.0 * swings))  # fmt: skip
+        for word, constant, used, shares, slowest in (
+            ("work", "work_constant", _work, (0.1, 0.4, 1.5), 3.0),
+            ("damage", "damage_constant", _damage, (0.2, 0.8), 3.0),
+            ("losses", "loss_constant", _losses, (0.2, 0.8, 3.0), 5.0),
+            ("swings", "swing_constant", _swings, (0.2, 0.8), 3.0),
+        ):
+            total_used = float(used(scene).max())
+            if total_used <= 0.0 and not found:
+                continue
+            made += law(f"by {word}", f"(1 - exp(-{word} / {constant}))", _exponential(used), constant,
+                        [(share * total_used,) for share in shares], (0.03 * total_used, slowest * total_used))  # fmt: skip
         counts = {"reversals": _reversals}
         if found or float(scene.signals.turns.max()) > MORE * float(scene.signals.reversals.max()):
             counts["turns"] = _turns

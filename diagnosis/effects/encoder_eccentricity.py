@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -34,16 +34,15 @@ def _error(sizes: Sequence[float], angle: Floats) -> tuple[Floats, Floats]:
     return error, steepness
 
 
+def _by_waves(change: Callable[[Floats], Floats], scene: Scene, angle: float) -> Floats:
+    """What ``change`` makes of sine and cosine of so many times the deflection in its reading, over their size, N·m/rad, shape (n, 2)."""
+    x, small = scene.signals.x, SMALL * scene.signals.reach
+    return np.column_stack([change(x + small * wave) / small for wave in (np.sin(angle * x), np.cos(angle * x))])
+
+
 def _waves(scene: Scene, angle: float) -> Floats:
-    """What sine and cosine of so many times the deflection in its reading add, over their size, N·m/rad, shape (n, 2)."""
-
-    def made() -> Floats:
-        x, small = scene.signals.x, SMALL * scene.signals.reach
-        waves = np.sin(angle * x), np.cos(angle * x)
-        return np.column_stack([scene.torque_change(x + small * wave) / small for wave in waves])
-
-    # The laws differ in what is zero at home, and ask for the same waves.
-    return scene.remembered(("waves", angle), made)
+    """That of the whole torque. The laws differ in what is zero at home, and ask for the same waves."""
+    return scene.remembered(("waves", angle), lambda: _by_waves(scene.torque_change, scene, angle))
 
 
 def _shift(scene: Scene, home: str) -> Floats | float:
@@ -66,9 +65,7 @@ def _columns(harmonics: int, home: str = "") -> Columns:
 
 def _of_spring(scene: Scene, shape: tuple[float, ...]) -> Floats:
     """Bearings turn by what the joint turns; only the spring is where the sensor says."""
-    x, small = scene.signals.x, SMALL * scene.signals.reach
-    waves = np.sin(shape[0] * x), np.cos(shape[0] * x)
-    return np.column_stack([scene.spring_change(x + small * wave) / small for wave in waves])
+    return _by_waves(scene.spring_change, scene, shape[0])
 
 
 def _of_true_angle(home: str = "") -> Columns:

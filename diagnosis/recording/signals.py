@@ -21,7 +21,7 @@ from ..operators.masses import resonated
 from ..operators.memory import SAME_STEP, bristle, creeping, lowpass, plays
 from .noise import FARTHEST, STRONGER, at_rest_and_moving, independent, noise_levels, rms
 
-__all__ = ["COORDINATES", "Signals", "differentiate"]
+__all__ = ["COORDINATES", "TOLD", "Signals", "differentiate"]
 
 Floats = NDArray[np.float64]
 COORDINATES = (
@@ -29,6 +29,8 @@ COORDINATES = (
 )  # fmt: skip
 APART = 0.05
 """Radians of the motion's mean frequency between samples whose noise counts as independent."""
+TOLD = ("reach", "stroke", "strongest")
+"""Names of the sizes whose numbers stand in laws."""
 SWING = 0.08
 """Part of the reach that a turn must swing back to be one."""
 LEAST_SWING = 0.01
@@ -172,7 +174,7 @@ class Signals:
     @property
     def told_in(self) -> dict[str, float]:
         """Sizes whose numbers stand in laws."""
-        return {"reach": self.reach, "stroke": self.stroke, "strongest": self.strongest}
+        return {name: getattr(self, name) for name in TOLD}
 
     def _size(self, name: str, own: float) -> float:
         return self.sizes[name] if self.sizes else max(own, 1e-300)
