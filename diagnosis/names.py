@@ -1,8 +1,12 @@
 """What a verdict may name besides effects, the effect that is hard to tell from it, and how several are named."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
-__all__ = ["GAIN", "MISCALIBRATION", "UNKNOWN", "enumerated"]
+from . import registry
+
+__all__ = ["GAIN", "MISCALIBRATION", "UNKNOWN", "enumerated", "spoken"]
 
 MISCALIBRATION, UNKNOWN = "miscalibration", "unknown"
 GAIN = "torque_gain"
@@ -11,3 +15,8 @@ GAIN = "torque_gain"
 def enumerated(names: Sequence[str]) -> str:
     """One or more names in a sentence: a, b and c."""
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def spoken(name: str) -> str:
+    """An effect's title, or the id of something else (a coordinate, ``miscalibration``) without underscores."""
+    return str(registry.get(name).title) if name in registry.ids() else name.replace("_", " ")

@@ -30,6 +30,7 @@ WORDS: Mapping[str, str] = MappingProxyType({
     "resonator": "resonator(u, w, d): z with d²z/dt² + 2 d w dz/dt + w² z = w² u, from rest, or settled where it was moving",
     "rise": "rise(u): u less its first value",
     "travel": "way that the deflection has gone since the start, ∫|dx|",
+    "farthest": "largest deflection to either side since the start, max |x|",
     "work": "∫|y dx| since the start",
     "damage": "∫y² |dx| since the start",
     "losses": "∫ y_memory dx since the start, the most that it has been",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from .names import MISCALIBRATION, UNKNOWN, enumerated
+from .names import MISCALIBRATION, UNKNOWN, enumerated, spoken
 from .result import Diagnosis
 
 __all__ = ["sentence", "summary"]
@@ -28,7 +28,7 @@ def sentence(found: Diagnosis) -> str:
         return f"{gap} is {stand_out}, no effect of the joint {sure}."
     if found.verdict == [UNKNOWN]:
         return f"{gap} is real, but no effect that is known here explains it {sure}."
-    titles = {report.name: report.name.replace("_", " ") for report in found.effects}
+    titles = {report.name: spoken(report.name) for report in found.effects}
     too_much = {term.effect.id for term in found.choice.hypothesis.terms if term.form.overdone} & set(found.verdict)
     titles |= {name: f"too much {titles[name]} in the simulator" for name in too_much}
     named = [titles.get(name, name) + _instead(found, name) for name in found.verdict if name != MISCALIBRATION]
@@ -42,9 +42,7 @@ def _instead(found: Diagnosis, name: str) -> str:
     """What may stand in the place of one of the verdict's effects, in parentheses."""
     pairs = (set(pair) for pair in found.ambiguous if name in pair)
     others = sorted(other for pair in pairs for other in pair - set(found.verdict))
-    told = [
-        "the simulator's own parameters" if other == MISCALIBRATION else other.replace("_", " ") for other in others
-    ]
+    told = ["the simulator's own parameters" if other == MISCALIBRATION else spoken(other) for other in others]
     return f" (or {' or '.join(told)})" if told else ""
 
 

@@ -11,6 +11,7 @@ from markupsafe import Markup
 
 from .. import __version__
 from ..diagnosis.blind.scoring import CARRIED
+from ..diagnosis.names import spoken
 from ..files import write_text
 from .svg import COLOURS, MEASURED, STYLE, canvas, svg
 from .templating import template
@@ -37,6 +38,7 @@ def write_blind(scores: Mapping[str, Any], rows: Sequence[Mapping[str, Any]], ou
         table=[{**row, "shown": _figure(row["value"]), "interval": _interval(row)} for row in scores["table"]],
         groups=list(scores["groups"].items()),
         columns=columns,
+        spoken=spoken,
         matrix=matrix,
         reliability=_reliability(scores["calibration"]["bins"]),
         carried=_carried(rows),

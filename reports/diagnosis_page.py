@@ -15,7 +15,7 @@ from matplotlib.collections import LineCollection
 from .. import __version__
 from ..diagnosis.attribution import profile
 from ..diagnosis.diagnosis import NEAREST
-from ..diagnosis.names import UNKNOWN
+from ..diagnosis.names import UNKNOWN, spoken
 from ..diagnosis.result import Diagnosis
 from ..diagnosis.wording import sentence
 from ..files import write_text
@@ -63,7 +63,7 @@ def write_diagnosis(
         unit=found.signals.unit,
         places=[
             {
-                "coordinate": p.coordinate.replace("_", " "),
+                "coordinate": spoken(p.coordinate),
                 "share": _percent(p.share),
                 "interval": f"{_percent(p.interval[0])} to {_percent(p.interval[1])}",
                 "range": f"{p.range[0]:.3g} to {p.range[1]:.3g} {_unit(found, p.coordinate)}",
@@ -74,7 +74,7 @@ def write_diagnosis(
         closing_figures=_closing_figures(found),
         effects=[
             {
-                "name": e.name.replace("_", " "),
+                "name": spoken(e.name),
                 "named": e.name in found.verdict,
                 "probability": f"{e.probability:.2f}",
                 "rmse_after": f"{e.rmse_after:.3g}",
@@ -86,7 +86,7 @@ def write_diagnosis(
             }
             for e in found.effects
         ],
-        ambiguous=[" and ".join(pair).replace("_", " ") for pair in found.ambiguous],
+        ambiguous=[" and ".join(map(spoken, pair)) for pair in found.ambiguous],
         next_recording=found.next_recording,
         formula=text,
         files=files,
@@ -133,7 +133,7 @@ def _where_figures(found: Diagnosis) -> list[dict[str, Any]]:
                 axis.plot(centres, rms, color=COLOURS[1], linewidth=1.2, marker="o", markersize=2.5, label="RMS")
                 axis.plot(centres, means, color=COLOURS[0], linewidth=1.0, label="mean")
                 axis.locator_params(axis="x", nbins=5)
-                named = place.coordinate.replace("_", " "), _unit(found, place.coordinate)
+                named = spoken(place.coordinate), _unit(found, place.coordinate)
                 axis.set_xlabel(", ".join(filter(None, named)))
             axes.flat[0].set_ylabel(f"gap, {signals.unit}")
             axes.flat[0].legend()
@@ -164,7 +164,7 @@ def _closing_figures(found: Diagnosis) -> list[dict[str, Any]]:
                      "caption": f"The gap over time, and what is left once {added} is added, on samples the fit never saw."})  # fmt: skip
         figure, axes = _figure(9.2, 0.5 * len(found.waterfall) + 0.9, 1, 1)
         axis = axes[0, 0]
-        names = [name.replace("_", " ") for name, _ in found.waterfall]
+        names = [spoken(name) for name, _ in found.waterfall]
         axis.barh(range(len(names)), [rmse for _, rmse in found.waterfall], color=COLOURS[0], height=0.6)
         axis.axvline(found.noise_floor, color=INK, linewidth=0.8, linestyle="--")
         axis.set_yticks(range(len(names)), [names[0], *(f"+ {name}" for name in names[1:])])

@@ -12,6 +12,7 @@ import pandas as pd
 
 from ..bench.references import scores_by_recording
 from ..datasets.published_loop import TABLE_4, TABLE_5
+from ..diagnosis.names import spoken
 from .run_directory import RunDirectory
 
 __all__ = [
@@ -382,7 +383,7 @@ def _diagnosis_cells(entry: dict[str, Any]) -> list[Cell]:
         first = found["where"][0]
         low, high = (number(v) for v in first["range"])
         # Further coordinates are the recording's own channels, which keep their names.
-        name = first["coordinate"].replace("distance_since_reversal", "distance since reversal")
+        name = spoken(first["coordinate"])
         text = f"{name} {first['share']:.0%}, {low} to {high}"
         where = Cell(text, sort=text)
     agrees = Cell("–", sort="", muted=True)
@@ -402,7 +403,7 @@ def _diagnosis_cells(entry: dict[str, Any]) -> list[Cell]:
 
 def words(names: Sequence[str]) -> str:
     """Ids of effects or coordinates for people."""
-    return ", ".join(name.replace("_", " ") for name in names)
+    return ", ".join(map(spoken, names))
 
 
 def timing_table(run: RunDirectory) -> Table:

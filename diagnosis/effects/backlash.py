@@ -21,6 +21,7 @@ quantile of the slopes there that the steps rest on: too steep only makes them s
 AT_FLANK = 1e-6
 """Distance from a flank, over the clearance's half, that is contact."""
 OF_SPRING, IN_SPRING = "of the spring", "in the elastic part alone"
+OF_FRICTION, IN_FRICTION = "of the friction", "in the part with memory alone"
 FLANKS = np.linspace(-1.0, 1.0, 7)
 BEHIND = "x = x - g in all that does not follow speed or acceleration alone,  "
 IN_SERIES = (
@@ -85,6 +86,16 @@ def _before(behind: Columns) -> Columns:
 def _before_the_spring(behind: Columns) -> Columns:
     """Bearings and seals rub before the clearance, only the spring lies behind it."""
     return lambda scene, shape: scene.spring_change(behind(scene, shape))[:, None]
+
+
+def _before_the_friction(behind: Columns) -> Columns:
+    """A brake's pads or a damper's bushing have play, the spring has none."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        x = behind(scene, shape)
+        return (scene.held_at(x) - _held(scene) - scene.spring_change(x))[:, None]
+
+    return columns
 
 
 def _across(scene: Scene, width: float) -> Floats:
@@ -208,7 +219,7 @@ class Backlash(Effect):
     )
     equation: ClassVar[str] = (
         "x → play(x; b/2) or the mean of plays from b/2 (1 − c) to b/2 (1 + c), x → x − clip(x − m, ±b/2), + clip(−m, ±b/2) if zeroed there, "
-        "x → x − b/2 tanh(2x/b), each also in the elastic part of y_sim alone, or x → x − g, g across ±b/2 where y passes "
+        "x → x − b/2 tanh(2x/b), each also in the elastic part of y_sim alone (the first in its friction), or x → x − g, g across ±b/2 where y passes "
         "zero (at once, as b/2 tanh(y/f), or a load of inertia J that swings across and hits)"
     )
     coordinate: ClassVar[str] = "distance_since_reversal"
@@ -233,6 +244,8 @@ class Backlash(Effect):
         strong = float(np.std(scene.torque))
         return [
             *_either("lost motion at turns", _play, ("clearance",), grid, limits, "x = play(x, clearance / 2)"),
+            Form(f"lost motion at turns, {OF_FRICTION}", ("_unit",), _before_the_friction(_play), (1.0,), (1.0,), ("clearance",),
+                 (), limits, ("lost motion at turns",), equation=f"x = play(x, clearance / 2), {IN_FRICTION}"),
             *_either("lost motion at turns, soft flanks", _soft_play, ("clearance", "softness"), (), [*limits, (0.05, 1.0)],
                      "x = plays(x, clearance / 2 * (1 - softness), clearance / 2 * (1 + softness))",
                      "lost motion at turns", lambda shape, coefficients: (shape[0], 0.5)),

@@ -16,10 +16,37 @@ FEWEST = 10
 """Reversals below which their number is too coarse a count."""
 MORE = 1.2
 """All turns over those that are no dither, from which it matters which of them count."""
+GROWN = 0.9
+"""Mean of the largest deflection so far over the last, from which on it is as large as that from the start."""
+LOSSY = 0.3
+"""Losses over all the work of the part with memory, above which they are no trace that an emulator leaves of a spring."""
 
 
 def _linear(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return scene.signals.travel
+
+
+def _farthest(scene: Scene, shape: tuple[float, ...] = ()) -> Floats:
+    # Rubber has softened as far as it was stretched (Mullins).
+    return scene.signals.farthest
+
+
+def _below_farthest(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    # Where it is stretched farther than ever it is as it was (Ogden and Roxburgh).
+    s = scene.signals
+    return s.farthest - np.abs(s.smooth_x)
+
+
+def _below_strongest(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    # The same of a spring's energy, as they have it.
+    s = scene.signals
+    return np.asarray(1.0 - np.exp((s.smooth_x**2 - s.farthest**2) / shape[0] ** 2))
+
+
+def _goes_on(scene: Scene) -> bool:
+    """Whether the motion reaches farther for a while: else what depends on how far it went is a gain."""
+    farthest = scene.signals.farthest
+    return any(float(np.mean(farthest[run])) < GROWN * farthest[run][-1] for run in scene.signals.runs)
 
 
 def _hyperbolic(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -71,6 +98,12 @@ def _losses(scene: Scene) -> Floats:
     return s.per_run(lambda run: np.maximum.accumulate(np.maximum(np.cumsum(friction[run] * s.moved[run]), 0.0)))
 
 
+def _is_lossy(scene: Scene) -> bool:
+    """Whether the losses go on: where all work comes back they are over at once, and wear by them is a gain."""
+    lost, work = _losses(scene), np.abs(scene.friction * scene.signals.moved)
+    return any(lost[run][-1] > LOSSY * float(np.sum(work[run])) for run in scene.signals.runs)
+
+
 def _exponential(used: Callable[[Scene], Floats]) -> Worn:
     """Wear that comes to an end: 1 − exp(−``used``/constant)."""
     return lambda scene, shape: np.asarray(1.0 - np.exp(-used(scene) / shape[0]))
@@ -92,14 +125,14 @@ class CyclicSoftening(Effect):
     summary: ClassVar[str] = "torque that falls with accumulated travel (Mullins effect, wear, damage)"
     equation: ClassVar[str] = (
         "y −= a w y_sim (or a part of it),  w = 1 − exp(−travel/L), travel/(L + travel), log(1 + travel/L), travel, "
-        "travel^p, reversals^p, 1 − exp(−∫|y dx|/W), the same of ∫y² |dx|, of ∫x² |dx| or of the losses, or 1 − exp(−reversals/N), log(1 + reversals/N), small ones counted or not"
+        "travel^p, M^p with M the largest |x| so far, M − |x|, 1 − exp((x² − M²)/D²), reversals^p, 1 − exp(−∫|y dx|/W), the same of ∫y² |dx|, of ∫x² |dx| or of the losses, or 1 − exp(−reversals/N), log(1 + reversals/N), small ones counted or not"
     )
     coordinate: ClassVar[str] = "travel"
     clock: ClassVar[str] = TRAVEL
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter(
             "softening",
-            "1 (1/rad^p for a power of the travel)",
+            "1 (1/rad of travel or deflection, 1/rad^p for a power of the travel)",
             0.0,
             np.inf,
             "relative loss in the limit, or per travel",
@@ -108,6 +141,7 @@ class CyclicSoftening(Effect):
             "travel_constant", "rad", 0.0, np.inf, "travel after which 63 % (hyperbolic: half) of the loss has come"
         ),
         Parameter("power", "1", 0.3, 3.0, "p of the travel or of the reversals, above one for damage that grows"),
+        Parameter("depth", "rad", 0.0, np.inf, "D, of the softening below the largest deflection so far"),
         Parameter("work_constant", "J", 0.0, np.inf, "W, of the work ∫|y dx|"),
         Parameter("damage_constant", "N²·m²·rad", 0.0, np.inf, "of the damage ∫y² |dx|"),
         Parameter("swing_constant", "rad³", 0.0, np.inf, "of the swings ∫x² |dx|"),
@@ -136,11 +170,13 @@ class CyclicSoftening(Effect):
                         equation=f"y -= softening * {equation} * y")  # fmt: skip
             return [form, *inside(form, _column(worn))]
 
-        linear = Form("linear", ("softening",), _lost(_linear), (0.0,), (1.0 / max(total, 1e-300),),
-                      equation="y -= softening * travel * y")  # fmt: skip
+        def proportional(name: str, worn: Worn, word: str, most: float) -> list[Form]:
+            form = Form(name, ("softening",), _lost(worn), (0.0,), (1.0 / max(most, 1e-300),),
+                        equation=f"y -= softening * {word} * y")  # fmt: skip
+            return [form, *inside(form, _column(worn))]
+
         made = [
-            linear,
-            *inside(linear, _column(_linear)),
+            *proportional("linear", _linear, "travel", total),
             *law("exponential", "(1 - exp(-travel / travel_constant))", _exponential(_travel), "travel_constant", lengths, limits),
             *law("hyperbolic", "travel / (travel_constant + travel)", _hyperbolic, "travel_constant", lengths, limits),
             *law("logarithm", "log(1 + travel / travel_constant)", _logarithm(_travel), "travel_constant", lengths[1::2], limits),
@@ -148,6 +184,14 @@ class CyclicSoftening(Effect):
         ]  # fmt: skip
         # A law that was found elsewhere goes on, however little there is to count.
         found = bool(scene.signals.sizes)
+        if found or _goes_on(scene):
+            far = scene.signals.stroke
+            made += proportional("by largest deflection", _farthest, "farthest", far)
+            made += proportional("below largest deflection", _below_farthest, "(farthest - abs(x))", far)
+            made += law("below largest energy", "(1 - exp((x**2 - farthest**2) / depth**2))", _below_strongest, "depth",
+                        [(share * far,) for share in (0.3, 1.0)], (0.1 * far, 5.0 * far), np.inf)  # fmt: skip
+            made += law("power of largest deflection", "farthest**power", _power(_farthest), "power",
+                        [(0.5,), (2.0,)], (0.3, 3.0), np.inf)  # fmt: skip
         for word, constant, used, shares, slowest in (
             ("work", "work_constant", _work, (0.1, 0.4, 1.5), 3.0),
             ("damage", "damage_constant", _damage, (0.2, 0.8), 3.0),
@@ -155,7 +199,7 @@ class CyclicSoftening(Effect):
             ("swings", "swing_constant", _swings, (0.2, 0.8), 3.0),
         ):
             total_used = float(used(scene).max())
-            if total_used <= 0.0 and not found:
+            if not found and (total_used <= 0.0 or (used is _losses and not _is_lossy(scene))):
                 continue
             made += law(f"by {word}", f"(1 - exp(-{word} / {constant}))", _exponential(used), constant,
                         [(share * total_used,) for share in shares], (0.03 * total_used, slowest * total_used))  # fmt: skip

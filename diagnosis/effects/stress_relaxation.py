@@ -173,6 +173,8 @@ class StressRelaxation(Effect):
         low = min(max(4.0 * s.interval, QUICK * pace), 0.2 * high)
         times = geometric(max(low, span / 1500.0), high, 10)
         limits = (low, 1.2 * high)
+        # Nor may the slowest of three branches be one by itself.
+        spread = (low, 0.3 * high)
 
         def two(size: str) -> list[tuple[str, str]]:
             return [(size, "time_constant"), (f"{size}_2", "time_constant_2")]
@@ -199,7 +201,7 @@ class StressRelaxation(Effect):
             law, equation = _law(part, down, *three("share"))
             return Form(
                 name, ("share", "share_2", "share_3"), _spectrum(law), (0.0,) * 3, (np.inf,) * 3, ("time_constant",), (),
-                [limits], (simpler,), lambda shape, _: (max(0.25 * shape[0], low),), equation=equation,
+                [spread], (simpler,), lambda shape, _: (max(0.25 * shape[0], low),), equation=equation,
             )  # fmt: skip
 
         def springpot(name: str, part: Part, simpler: str) -> Form:
@@ -255,7 +257,7 @@ class StressRelaxation(Effect):
             Form("two branches", ("stiffness", "stiffness_2"), of_two, (0.0, 0.0), (np.inf, np.inf),
                  ("time_constant", "time_constant_2"), pairs, [limits, limits], equation=told_two),
             Form("spectrum", ("stiffness", "stiffness_2", "stiffness_3"), _spectrum(of_three), (0.0,) * 3, (np.inf,) * 3,
-                 ("time_constant",), [(t,) for t in times[:7]], [limits], equation=told_three),
+                 ("time_constant",), [(t,) for t in times if t < spread[1]], [spread], equation=told_three),
             # With a high power it is a slider.
             Form("power-law dashpot", ("stiffness",), _creeping, (0.0,), (np.inf,), ("time_constant", "power"),
                  [(t, 2.0) for t in geometric(0.1 * low, high, 6)], [(0.02 * low, 1.2 * high), (1.2, 4.0)],

@@ -62,6 +62,8 @@ class Emulator:
         RMS error over the standard deviation of the simulator's output; 0 for the simulator itself.
     structure, bulk : array, shape (n, m)
         Change of the output for a relative change of each parameter by one: fine structure, and bulk.
+    parts : array, shape (n, m)
+        Those of the bulk that are each one parameter of friction, damping, mass and the like.
     parameters : dict
         What rebuilds it: ``model`` (a registered id, or ``"generalised"``) and ``parameters``; of a registered model also
         ``split``.
@@ -77,6 +79,7 @@ class Emulator:
     """Output over one new motion, from the virgin state."""
     structure: Floats
     bulk: Floats
+    parts: Floats
     parameters: Mapping[str, Any]
     split: Mapping[str, Any]
     refitted: bool = False
@@ -251,7 +254,7 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
         predict = _from_recorded_start(rival, signals)
         error = relative_error(predict(signals.x), signals.y_sim)
         if error < best.error:
-            described = _of_model(rival, signals, best.structure, best.bulk, best.split)
+            described = _of_model(rival, signals, best.structure, best.bulk, best.parts, best.split)
             best = replace(described, name=name, error=error, predict=predict)
     return best
 
@@ -278,10 +281,14 @@ def answers_of(model: Any, signals: Signals) -> Callable[[Floats], Floats]:
     return predict
 
 
-def _of_model(model: Any, signals: Signals, structure: Floats, bulk: Floats, split: Mapping[str, Any]) -> Emulator:
+def _of_model(
+    model: Any, signals: Signals, structure: Floats, bulk: Floats, parts: Floats, split: Mapping[str, Any]
+) -> Emulator:
     def anew(x: Floats) -> Floats:
         time = signals.interval * np.arange(x.size, dtype=np.float64)
         return np.asarray(model.predict(x, **time_argument(model.predict, time)))
 
     described = {"model": model.id, "parameters": dict(model.parameters_), "split": split}
-    return Emulator("the simulator itself", 0.0, answers_of(model, signals), anew, structure, bulk, described, split)
+    return Emulator(
+        "the simulator itself", 0.0, answers_of(model, signals), anew, structure, bulk, parts, described, split
+    )

@@ -240,8 +240,11 @@ class Generalised:
             self.parameters(), Motion(time, x, [slice(0, x.size)], lambda: (speed, acceleration))
         )
 
-    def tangent(self) -> tuple[Floats, Floats]:
-        """Columns (n, m) of structure and bulk, each the change for a relative error of one of some parameter."""
+    def tangent(self) -> tuple[Floats, Floats, Floats]:
+        """Columns (n, m) of structure and bulk, each the change for a relative error of one of some parameter.
+
+        The third are those of the bulk that are of friction, damping, mass and the like, each one parameter of the simulator's.
+        """
         x = self.signals.x
         elastic, stops, placed = self._parts(self.thresholds)
         # A spring has no torque at rest, so neither has the change of a stiffness; a preload may be off by itself.
@@ -259,12 +262,15 @@ class Generalised:
         stronger = _stronger(self.motion, self.thresholds, self.lengths)
         fine, coarse = tangents(self.further, self.motion)
         structure = np.hstack([self._each(stops), self._each(stronger), fine])
-        rates = self._rates() * self.rates
+        rates = uncancelled(self._rates() * self.rates)
         by_place = (placed * self.placed).reshape(x.size, PLACES, -1).sum(axis=2)
         bulk = np.column_stack([
-            shapes, odd, even, preload, width, uncancelled(by_place), stretched, uncancelled(rates), coarse,
+            shapes, odd, even, preload, width, uncancelled(by_place), stretched, rates, coarse,
         ])  # fmt: skip
-        return structure, bulk
+        # What of one parameter takes several elements to follow: all friction, all that follows the speed alone.
+        dry = width + rates[:, 2:].sum(axis=1)
+        dragging = drag_of(self.parameters(), self.motion) - rates[:, 1]
+        return structure, bulk, np.column_stack([width, dry, dragging, rates, coarse])
 
     def _each(self, elements: Floats) -> Floats:
         """Stops and bristles (n, all of them), each with its weight."""

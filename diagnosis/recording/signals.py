@@ -270,6 +270,11 @@ class Signals:
         return self.per_run(lambda run: np.cumsum(np.abs(self.moved[run])))
 
     @cached_property
+    def farthest(self) -> Floats:
+        """Largest deflection to either side since the recording began, rad, shape (n,)."""
+        return self.per_run(lambda run: np.maximum.accumulate(np.abs(self.smooth_x[run])))
+
+    @cached_property
     def reversals(self) -> Floats:
         """Turns of the motion since the recording began, shape (n,); a small dither between two of them is none."""
         return self._turns_by(SWING * self.reach)

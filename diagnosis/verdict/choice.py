@@ -23,6 +23,7 @@ from .clocks import OtherClock, follows_another_clock
 from .imitation import Image, imaged_by, imitations, within_range, without_image
 from .one_factor import as_one_factor, factor_of_all, may_be_a_factor
 from .own_errors import OwnErrors, needs_largest, rather_errors, rather_off, rather_two
+from .own_parts import rather_own_parts
 from .parsimony import fewest, hardly_worse, simplest
 from .priors import STANDS_IN, prior
 from .rivals import SAME_BY_EYE, TEMPERATURE, effective_share, is_nested, is_poor, recalibration_rivals, weigh
@@ -204,6 +205,10 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         other = as_one_factor(evidence, best, found, energy, size)
         if other is not best:
             best, refit = other, _judge_refit(evidence, other, energy)
+    rather = rather_own_parts(evidence, best)
+    is_own = rather is not best
+    if is_own:
+        best, refit = rather, _judge_refit(evidence, rather, energy)
     if (
         best.terms
         and best.names != {GAIN}
@@ -223,7 +228,8 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         ranked = [hardly_worse(evidence, h) for h in ranked]
         likely |= {id(h): h.score + prior(evidence, h, size) for h in ranked if id(h) not in likely}
         ranked.sort(key=lambda h: -likely[id(h)])
-    field = _Field(evidence, found, ranked, np.array([likely[id(h)] for h in ranked]), energy, errors.are_strained)
+    scores = np.array([likely[id(h)] for h in ranked])
+    field = _Field(evidence, found, ranked, scores, energy, errors.are_strained, is_own)
     choice = _stated(field, best, own, refit)
     doubtful = choice.verdict == [UNKNOWN] and evidence.is_beside_refit(best)
     return _rather_one(field, best, choice, size) if doubtful else choice
@@ -243,6 +249,8 @@ class _Field:
     """Mean square of the gap beyond the noise."""
     strained: bool
     """Whether the simulator's errors that make the gap by themselves are beyond belief."""
+    is_own: bool
+    """Whether one of its parts that is off does as well as an effect: then it is off, however little."""
 
     def scored(self) -> list[tuple[Hypothesis, float]]:
         """Those ranked, each with its score."""
@@ -315,7 +323,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     factor, clock, strained, blamed = 0.0, None, False, False
     if miscalibrated and not expected:
         verdict.append(MISCALIBRATION)
-    if _nothing(evidence, best, miscalibrated, features):
+    if _nothing(evidence, best, miscalibrated, features, field.is_own):
         verdict = []
     elif _inadequate(evidence, features) or (
         miscalibrated and not expected and _overstretched(evidence, best, features)
@@ -407,9 +415,11 @@ def _judge_refit(evidence: Evidence, best: Hypothesis, energy: float) -> _Refit:
     return _Refit(held, left, recalibration, gain, off and rms(recalibration) > NEGLIGIBLE * floor)
 
 
-def _nothing(evidence: Evidence, best: Hypothesis, miscalibrated: bool, features: dict[str, float]) -> bool:
+def _nothing(
+    evidence: Evidence, best: Hypothesis, miscalibrated: bool, features: dict[str, float], is_own: bool
+) -> bool:
     floor = evidence.sigma
-    if not best.terms and features["gap"] < 3.0:
+    if not best.terms and features["gap"] < 3.0 and not is_own:
         # No two models of a joint agree better than this.
         agree = float(np.std(evidence.gap)) < SAME_JOINT * float(np.std(evidence.scene.signals.y_real))
         miscalibrated = miscalibrated and not agree
