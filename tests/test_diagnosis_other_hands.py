@@ -111,6 +111,7 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
     "a quadratic spring": ("stiffness_asymmetry", lambda: joint(X) + 0.35 * X**2),
     "a gap off the centre": ("backlash", lambda: gap_off_centre(0.2, 0.05)),
     "keys that are loose behind the bearings": ("backlash", lambda: spring(X - ahead(0.02)) + friction(X)),
+    "a brake whose pads have play": ("backlash", lambda: spring(X) + friction(X - ahead(0.02))),
     "a gap off the centre behind the seals": (
         "backlash", lambda: spring(X - np.clip(X - 0.6, -0.1, 0.1) - 0.1) + friction(X)
     ),

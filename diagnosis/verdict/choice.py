@@ -208,7 +208,8 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
     rather = rather_own_parts(evidence, best)
     is_own = rather is not best
     if is_own:
-        best, refit = rather, _judge_refit(evidence, rather, energy)
+        # However little it makes.
+        best, refit = rather, replace(_judge_refit(evidence, rather, energy), miscalibrated=True)
     if (
         best.terms
         and best.names != {GAIN}
@@ -250,7 +251,7 @@ class _Field:
     strained: bool
     """Whether the simulator's errors that make the gap by themselves are beyond belief."""
     is_own: bool
-    """Whether one of its parts that is off does as well as an effect: then it is off, however little."""
+    """Whether one of its parts that is off does as well as an effect."""
 
     def scored(self) -> list[tuple[Hypothesis, float]]:
         """Those ranked, each with its score."""
