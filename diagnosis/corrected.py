@@ -170,7 +170,9 @@ class CorrectedSimulator(HysteresisModel):
             return y
         signals = self._signals(x, y)
         nothing = np.empty((x.size, 0))
-        scene = SimulatorScene(signals, Emulator("", 0.0, self._base, self._base, nothing, nothing, nothing, {}, self._split))
+        scene = SimulatorScene(
+            signals, Emulator("", 0.0, self._base, self._base, nothing, nothing, nothing, {}, self._split)
+        )
         terms, coefficients = [], []
         for effect, entry in self._effects:
             form = next((f for f in effect.forms(scene) if f.name == entry["form"]), None)

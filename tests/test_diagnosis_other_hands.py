@@ -94,6 +94,19 @@ def rubbed_warm(tau: float) -> Floats:
     return np.asarray(warm / warm.max())
 
 
+def deep(x: Floats, stop: float) -> Floats:
+    """How deep a stop at either end is pressed, the lower one with a minus."""
+    return np.sign(x) * np.maximum(np.abs(x) - stop, 0.0)
+
+
+def lagged(u: Floats, tau: float) -> Floats:
+    return np.asarray(lfilter([STEP / tau], [1.0, STEP / tau - 1.0], u))
+
+
+def since(start: float, tau: float) -> Floats:
+    return 1.0 - np.exp(-np.maximum(TIME - start, 0.0) / tau)
+
+
 def soft_limit(y: Floats, limit: float) -> Floats:
     return np.where(y < 0.0, y / (1.0 + np.abs(y / limit) ** 6.0) ** (1.0 / 6.0), y)
 
@@ -112,6 +125,29 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
     "a gap off the centre": ("backlash", lambda: gap_off_centre(0.2, 0.05)),
     "keys that are loose behind the bearings": ("backlash", lambda: spring(X - ahead(0.02)) + friction(X)),
     "a brake whose pads have play": ("backlash", lambda: spring(X) + friction(X - ahead(0.02))),
+    "a mechanism that was zeroed at a flank": ("backlash", lambda: joint(X - ahead(0.02) + 0.02)),
+    "a shock absorber's valve": (
+        "viscous_friction", lambda: joint(X) + 0.25 * np.clip(SPEED, -0.5, 0.5) + 0.06 * (SPEED - np.clip(SPEED, -0.5, 0.5))
+    ),
+    "a seal that is tighter towards one end": ("coulomb_friction", lambda: joint(X) + 0.15 * (1.0 + 0.5 * X) * SIGN),
+    "a motor that its current heats": (
+        "thermal_drift", lambda: joint(X) + 0.2 * lagged(joint(X) ** 2, 8.0) / np.max(lagged(joint(X) ** 2, 8.0))
+    ),
+    "a heater that is switched on": ("thermal_drift", lambda: joint(X) * (1.0 - 0.08 * since(9.0, 5.0))),
+    "a heater that is switched off": (
+        "thermal_drift", lambda: joint(X) + 0.25 * (since(0.0, 5.0) - since(16.0, 5.0))
+    ),
+    "a bumper that rubs": (
+        "end_stop", lambda: joint(X) + 4.0 * deep(X, 0.55) + 1.0 * np.abs(deep(X, 0.55)) * SIGN
+    ),
+    "a bumper of rubber": ("end_stop", lambda: joint(X) + 4.0 * deep(X, 0.55) - 1.6 * lagged(deep(X, 0.55), 0.3)),
+    "contacts that lift off": ("load_dependent_friction", lambda: joint(X) + 0.08 * np.maximum(1.2 + spring(X), 0.0) * SIGN),
+    "a crack that begins late": (
+        "cyclic_softening", lambda: joint(X) * (1.0 - 0.16 * np.maximum(TRAVEL / TRAVEL[-1] - 0.35, 0.0))
+    ),
+    "strands that break about a travel": (
+        "cyclic_softening", lambda: joint(X) * (1.0 - 0.1 / (1.0 + np.exp(-(TRAVEL / TRAVEL[-1] - 0.5) / 0.08)))
+    ),
     "a gap off the centre behind the seals": (
         "backlash", lambda: spring(X - np.clip(X - 0.6, -0.1, 0.1) - 0.1) + friction(X)
     ),

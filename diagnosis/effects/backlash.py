@@ -42,6 +42,11 @@ def _play(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return s.per_run(lambda run: plays(s.x[run], width)[:, 0])
 
 
+def _play_about(flank: float) -> Columns:
+    # The joint was zeroed while it was pressed to one flank.
+    return lambda scene, shape: _play(scene, shape) + flank * 0.5 * shape[0]
+
+
 def _soft_play(scene: Scene, shape: tuple[float, ...]) -> Floats:
     # Flanks that yield: teeth or wires that meet one after the other.
     s, (width, softness) = scene.signals, shape
@@ -218,7 +223,7 @@ class Backlash(Effect):
         "clearance that must be crossed after a turn, or around zero torque, before torque builds up"
     )
     equation: ClassVar[str] = (
-        "x → play(x; b/2) or the mean of plays from b/2 (1 − c) to b/2 (1 + c), x → x − clip(x − m, ±b/2), + clip(−m, ±b/2) if zeroed there, "
+        "x → play(x; b/2), ± b/2 where it was zeroed at a flank, or the mean of plays from b/2 (1 − c) to b/2 (1 + c), x → x − clip(x − m, ±b/2), + clip(−m, ±b/2) if zeroed there, "
         "x → x − b/2 tanh(2x/b), each also in the elastic part of y_sim alone (the first in its friction), or x → x − g, g across ±b/2 where y passes "
         "zero (at once, as b/2 tanh(y/f), or a load of inertia J that swings across and hits)"
     )
@@ -244,6 +249,14 @@ class Backlash(Effect):
         strong = float(np.std(scene.torque))
         return [
             *_either("lost motion at turns", _play, ("clearance",), grid, limits, "x = play(x, clearance / 2)"),
+            *(
+                form
+                for flank, sign, told in ((1.0, "+", "upper"), (-1.0, "-", "lower"))
+                for form in _either(
+                    f"lost motion at turns, zeroed at the {told} flank", _play_about(flank), ("clearance",), (), limits,
+                    f"x = play(x, clearance / 2) {sign} clearance / 2", "lost motion at turns",
+                )
+            ),
             Form(f"lost motion at turns, {OF_FRICTION}", ("_unit",), _before_the_friction(_play), (1.0,), (1.0,), ("clearance",),
                  (), limits, ("lost motion at turns",), equation=f"x = play(x, clearance / 2), {IN_FRICTION}"),
             *_either("lost motion at turns, soft flanks", _soft_play, ("clearance", "softness"), (), [*limits, (0.05, 1.0)],

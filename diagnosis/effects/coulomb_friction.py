@@ -8,7 +8,19 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import PRESLIDING, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws, overdone_friction
+from .base import (
+    PRESLIDING,
+    DirectionLaw,
+    Effect,
+    Floats,
+    Form,
+    Parameter,
+    Scene,
+    at_either_end,
+    between_ends,
+    direction_laws,
+    overdone_friction,
+)
 
 __all__ = ["CoulombFriction"]
 
@@ -37,6 +49,13 @@ def _unequal(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
     return columns
 
 
+def _by_position(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floats]:
+    """A seal or a guide that is tighter towards one end."""
+    return lambda scene, shape: np.column_stack(
+        [share * law.signal(scene.signals, shape[0]) for share in at_either_end(scene)]
+    )
+
+
 MORE, MOST = 0.15, 5.0
 """Relative gain of the joint's own friction from which it is not only badly calibrated, and the largest one."""
 
@@ -47,10 +66,12 @@ class CoulombFriction(Effect):
     id: ClassVar[str] = "coulomb_friction"
     title: ClassVar[str] = "Coulomb friction"
     summary: ClassVar[str] = "constant torque against the direction of motion (bearings, seals, brushes)"
-    equation: ClassVar[str] = "y += F (s + q |s|),  s = sgn(v) after presliding"
+    equation: ClassVar[str] = "y += F (s + q |s|),  s = sgn(v) after presliding, or F linear in x"
     coordinate: ClassVar[str] = "direction"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("friction", "N·m", -np.inf, np.inf, "sliding friction; negative where the simulator has too much"),
+        Parameter("friction_upper", "N·m", 0.0, np.inf, "F at the largest deflection, where it depends on that"),
+        Parameter("friction_lower", "N·m", 0.0, np.inf, "the same at as much on the other side"),
         Parameter("friction_2", "N·m", 0.0, np.inf, "of a second contact that yields later"),
         *PRESLIDING,
         Parameter("strength_gain", "1", MORE, np.inf, "relative gain of the strength of the joint's own friction"),
@@ -79,6 +100,12 @@ class CoulombFriction(Effect):
                  equation=f"y += friction * ({law.equation} + inequality * abs({law.equation}))")
             for law in laws
         ]  # fmt: skip
+        by_position = [
+            Form(f"{law.name}, by position", ("friction_upper", "friction_lower"), _by_position(law), (0.0,) * 2, (np.inf,) * 2,
+                 (law.parameter,), (), [law.limits], (law.name,),
+                 equation=f"y += {between_ends(scene, 'friction_upper', 'friction_lower')} * {law.equation}")
+            for law in laws
+        ]  # fmt: skip
         steep = next(form for form in made if form.shapes == ("transition_speed",))
         flat = replace(
             steep, name="regularised by arctan", columns=_arctan,
@@ -87,4 +114,4 @@ class CoulombFriction(Effect):
         own = Form("more of the joint's own", ("_unit",), _own, (1.0,), (1.0,), ("strength_gain",),
                    [(gain,) for gain in (0.2, 0.4, 0.8, 1.6)], [(MORE, MOST)],
                    equation="y += stronger(strength_gain)")  # fmt: skip
-        return [*made, flat, two, *unequal, own, *overdone_friction(made)]
+        return [*made, flat, two, *unequal, *by_position, own, *overdone_friction(made)]

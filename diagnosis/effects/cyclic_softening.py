@@ -104,6 +104,16 @@ def _is_lossy(scene: Scene) -> bool:
     return any(lost[run][-1] > LOSSY * float(np.sum(work[run])) for run in scene.signals.runs)
 
 
+def _weibull(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    """Parts that fail one after the other: few at first, most about a travel."""
+    return np.asarray(1.0 - np.exp(-((scene.signals.travel / shape[0]) ** shape[1])))
+
+
+def _incubated(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    """A crack that has to begin before it grows."""
+    return np.maximum(scene.signals.travel - shape[0], 0.0)
+
+
 def _exponential(used: Callable[[Scene], Floats]) -> Worn:
     """Wear that comes to an end: 1 − exp(−``used``/constant)."""
     return lambda scene, shape: np.asarray(1.0 - np.exp(-used(scene) / shape[0]))
@@ -125,7 +135,7 @@ class CyclicSoftening(Effect):
     summary: ClassVar[str] = "torque that falls with accumulated travel (Mullins effect, wear, damage)"
     equation: ClassVar[str] = (
         "y −= a w y_sim (or a part of it),  w = 1 − exp(−travel/L), travel/(L + travel), log(1 + travel/L), travel, "
-        "travel^p, M^p with M the largest |x| so far, M − |x|, 1 − exp((x² − M²)/D²), reversals^p, 1 − exp(−∫|y dx|/W), the same of ∫y² |dx|, of ∫x² |dx| or of the losses, or 1 − exp(−reversals/N), log(1 + reversals/N), small ones counted or not"
+        "1 − exp(−(travel/L)^k), max(travel − L0, 0), travel^p, M^p with M the largest |x| so far, M − |x|, 1 − exp((x² − M²)/D²), reversals^p, 1 − exp(−∫|y dx|/W), the same of ∫y² |dx|, of ∫x² |dx| or of the losses, or 1 − exp(−reversals/N), log(1 + reversals/N), small ones counted or not"
     )
     coordinate: ClassVar[str] = "travel"
     clock: ClassVar[str] = TRAVEL
@@ -141,6 +151,8 @@ class CyclicSoftening(Effect):
             "travel_constant", "rad", 0.0, np.inf, "travel after which 63 % (hyperbolic: half) of the loss has come"
         ),
         Parameter("power", "1", 0.3, 3.0, "p of the travel or of the reversals, above one for damage that grows"),
+        Parameter("shape", "1", 0.5, 8.0, "k, of Weibull's law"),
+        Parameter("begun", "rad", 0.0, np.inf, "L0, travel from which on it wears"),
         Parameter("depth", "rad", 0.0, np.inf, "D, of the softening below the largest deflection so far"),
         Parameter("work_constant", "J", 0.0, np.inf, "W, of the work ∫|y dx|"),
         Parameter("damage_constant", "N²·m²·rad", 0.0, np.inf, "of the damage ∫y² |dx|"),
@@ -182,6 +194,13 @@ class CyclicSoftening(Effect):
             *law("logarithm", "log(1 + travel / travel_constant)", _logarithm(_travel), "travel_constant", lengths[1::2], limits),
             *law("power of travel", "travel**power", _power(_travel), "power", [(0.5,), (0.75,), (1.8,)], (0.3, 3.0), np.inf),
         ]  # fmt: skip
+        failing = Form("Weibull", ("softening",), _lost(_weibull), (0.0,), (1.0,), ("travel_constant", "shape"),
+                       [(share * total, p) for share in (0.3, 0.6) for p in (2.0, 4.0)], [limits, (0.5, 8.0)],
+                       equation="y -= softening * (1 - exp(-(travel / travel_constant)**shape)) * y")  # fmt: skip
+        cracked = Form("linear from a travel on", ("softening",), _lost(_incubated), (0.0,), (1.0 / max(0.2 * total, 1e-300),),
+                       ("begun",), [(share * total,) for share in (0.2, 0.4, 0.6)], [(0.08 * total, 0.8 * total)],
+                       equation="y -= softening * maximum(travel - begun, 0) * y")  # fmt: skip
+        made += [failing, *inside(failing, _column(_weibull)), cracked, *inside(cracked, _column(_incubated))]
         # A law that was found elsewhere goes on, however little there is to count.
         found = bool(scene.signals.sizes)
         if found or _goes_on(scene):

@@ -47,6 +47,27 @@ def _contact(side: float, power: float | None = None) -> Columns:
     return columns
 
 
+def _rubbing(side: float) -> Columns:
+    """A stop that rubs as it is pressed: its flank, or rubber that loses a share of its work however slowly it is pressed."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        signals = scene.signals
+        pressed = np.maximum(side * signals.smooth_x - shape[0], 0.0) ** shape[-1]
+        return np.column_stack([side * pressed, pressed * signals.bristle(TURNED * signals.reach)])
+
+    return columns
+
+
+def _relaxing(side: float) -> Columns:
+    """A bumper of rubber, a part of whose torque relaxes while it is pressed."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        depth = np.maximum(side * scene.signals.smooth_x - shape[0], 0.0)
+        return side * np.column_stack([depth, depth - scene.signals.lowpass(depth, shape[-1])])
+
+    return columns
+
+
 def _both(law: Callable[[float], Columns]) -> Columns:
     """Two stops that lose energy, each at its own place by its own damping; further shapes are common to them."""
 
@@ -71,6 +92,8 @@ BUMPERS = (
 )
 """Stops that stiffen as they are pressed: their equation, and the thickness to start from as a share of the reach."""
 ANY = "Hunt-Crossley of any power"
+TURNED = 0.003
+"""Way over which the friction of a stop turns round, over the reach."""
 POWERS = (1.0, 2.5)
 """Limits of a contact's power of its depth: from a plate's to a blunt tip's."""
 DEPTHS = {"upper": "maximum(x - upper, 0)", "lower": "maximum(-x - lower, 0)"}
@@ -84,6 +107,17 @@ def _term(side: str, power: float | str) -> str:
 def _lossy(side: str, power: float | str, damping: str) -> str:
     touched = f"({DEPTHS[side]} > 0)" if power == 1.0 else f"{DEPTHS[side]}**{power}"
     return f"{'-' * (side == 'lower')}{_term(side, power)} + {damping} * v * {touched}"
+
+
+def _rubs(side: str, rubbing: str, turned: float) -> str:
+    return (
+        f"{'-' * (side == 'lower')}{_term(side, 'power')} + {rubbing} * {DEPTHS[side]}**power * dahl(x, {turned:.8g})"
+    )
+
+
+def _relaxes(side: str, soft: str) -> str:
+    depth = DEPTHS[side]
+    return f"({_term(side, 1.0)} + {soft} * ({depth} - lowpass({depth}, time_constant)))"
 
 
 def _pressed(sides: Sequence[str], equation: str) -> str:
@@ -112,7 +146,7 @@ class EndStop(Effect):
     summary: ClassVar[str] = "contact that stiffens the joint beyond a deflection near the end of the stroke"
     equation: ClassVar[str] = (
         "y += k d^p − k' d'^p,  d = max(x − a, 0), d' = max(−x − a', 0), p = 1 or 1.5, or any from 1 to 2.5 where it is damped; damped: + c v or + c d^p v while "
-        "touched; or y += k d / (1 − d/d0) or k (exp(d/d0) − 1)"
+        "touched, or + r d^p s; relaxing: k d + k2 (d − L), τ dL/dt = d − L; or y += k d / (1 − d/d0) or k (exp(d/d0) − 1)"
     )
     coordinate: ClassVar[str] = "position"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -126,6 +160,11 @@ class EndStop(Effect):
             np.inf,
             "c of the lower stop, where both are touched",
         ),
+        Parameter("rubbing", "N·m/rad^p", 0.0, np.inf, "r, of a stop that rubs, or of the upper one"),
+        Parameter("rubbing_lower", "N·m/rad^p", 0.0, np.inf, "r of the lower stop, where both are touched"),
+        Parameter("relaxing", "N·m/rad", 0.0, np.inf, "k2, stiffness that relaxes, of one stop, or of the upper one"),
+        Parameter("relaxing_lower", "N·m/rad", 0.0, np.inf, "the same of the lower stop, where both are touched"),
+        Parameter("time_constant", "s", 0.0, np.inf, "τ, in which it does"),
         Parameter(
             "thickness",
             "rad",
@@ -149,6 +188,8 @@ class EndStop(Effect):
         up = [middle + f * reach for f in shares]
         down = [-middle + f * reach for f in shares]
         top, bottom = (middle + 0.35 * reach, middle + 0.985 * reach), (-middle + 0.35 * reach, -middle + 0.985 * reach)
+        span, interval = float(scene.signals.elapsed.max()), scene.signals.interval
+        relaxation, soon = (min(4.0 * interval, 0.02 * span), 0.3 * span), 0.02 * span
         made = []
         for power, told in ((1.0, ""), (1.5, ", Hertz")):
             made += [
@@ -171,6 +212,12 @@ class EndStop(Effect):
                 Form(f"{told}, {ANY}", names, _contact(side), (0.0, 0.0), (np.inf, np.inf), (told, "power"), (),
                      [limits, POWERS], (told, f"{told}, Hertz", f"{told}, damped", f"{told}, Hunt-Crossley"),
                      lambda shape, _: (*shape, 1.25), equation=f"y += {_lossy(told, 'power', 'damping')}"),
+                Form(f"{told}, rubbing", (names[0], "rubbing"), _rubbing(side), (0.0, 0.0), (np.inf, np.inf), (told, "power"), (),
+                     [limits, POWERS], (told, f"{told}, Hertz"), lambda shape, _: (*shape, 1.1),
+                     equation=f"y += {_rubs(told, 'rubbing', TURNED * reach)}"),
+                Form(f"{told}, relaxing", (names[0], "relaxing"), _relaxing(side), (0.0, 0.0), (np.inf, np.inf),
+                     (told, "time_constant"), (), [limits, relaxation], (told,), lambda shape, _: (*shape, soon),
+                     equation=f"y {'-' if side < 0.0 else '+'}= {_relaxes(told, 'relaxing')}"),
             ]  # fmt: skip
         for kind, equation, law, share in BUMPERS:
             for sides, ends in ((("upper",), [top]), (("lower",), [bottom]), (("upper", "lower"), [top, bottom])):
@@ -190,5 +237,11 @@ class EndStop(Effect):
             Form(f"both, {ANY}", all_four, _both(_contact), *any_size, ("upper", "lower", "power"), (), [*ends, POWERS],
                  ("both", "both, Hertz", "both, damped", "both, Hunt-Crossley"), lambda shape, _: (*shape, 1.25),
                  equation=f"y += {_lossy('upper', 'power', 'damping')} + {_lossy('lower', 'power', 'damping_lower')}"),
+            Form("both, rubbing", (*all_four[:2], "rubbing", "rubbing_lower"), _both(_rubbing), *any_size,
+                 ("upper", "lower", "power"), (), [*ends, POWERS], ("both", "both, Hertz"), lambda shape, _: (*shape, 1.1),
+                 equation=f"y += {_rubs('upper', 'rubbing', TURNED * reach)} + {_rubs('lower', 'rubbing_lower', TURNED * reach)}"),
+            Form("both, relaxing", (*all_four[:2], "relaxing", "relaxing_lower"), _both(_relaxing), *any_size,
+                 ("upper", "lower", "time_constant"), (), [*ends, relaxation], ("both",), lambda shape, _: (*shape, soon),
+                 equation=f"y += {_relaxes('upper', 'relaxing')} - {_relaxes('lower', 'relaxing_lower')}"),
         ]  # fmt: skip
         return made

@@ -85,6 +85,16 @@ def _biased(law: DirectionLaw, load: Callable[[Scene], Floats]) -> Callable[[Sce
     return lambda scene, shape: (np.abs(load(scene) + shape[1]) * law.signal(scene.signals, shape[0]))[:, None]
 
 
+def _lifting(law: DirectionLaw, load: Callable[[Scene], Floats]) -> Callable[[Scene, tuple[float, ...]], Floats]:
+    """Contacts that a preload presses together, until the load lifts them off; its sign is the bias'."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        pressing = np.maximum(np.sign(shape[1]) * (load(scene) + shape[1]), 0.0)
+        return (pressing * law.signal(scene.signals, shape[0]))[:, None]
+
+    return columns
+
+
 def _pressed(
     load: Callable[[Scene], Floats], most: float, sliding: Callable[[Floats, Floats, float], Floats]
 ) -> Columns:
@@ -127,7 +137,7 @@ class LoadDependentFriction(Effect):
     summary: ClassVar[str] = "friction in proportion to the transmitted load (gear teeth, pulleys, pressed seals)"
     equation: ClassVar[str] = (
         "y += μ |y_sim| s   (|load channel|, Y |y_sim/Y|^p with the largest torque Y or the elastic part in place of |y_sim|; μ' where the joint is driven "
-        "back, or the load is negative; or |y_sim + bias|; contacts of constant stiffness that give way at μ |y_sim|, or at μ' |y_sim|; or friction inside the joint that slides later under load)"
+        "back, or the load is negative; or |y_sim + bias|, or that on one side only; contacts of constant stiffness that give way at μ |y_sim|, or at μ' |y_sim|; or friction inside the joint that slides later under load)"
     )
     coordinate: ClassVar[str] = "load"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -197,6 +207,12 @@ class LoadDependentFriction(Effect):
                          (law.parameter, "bias"), (), [law.limits, (-0.8 * strongest, 0.8 * strongest)], (f"by {of}, unequal sides, {law.name}",),
                          lambda shape, found: (*shape, (0.2 if found[0] > found[1] else -0.2) * strongest),
                          borders=[NOT, BOTH], equation=f"y += friction_coefficient * abs({load.symbol} + bias) * {law.equation}")
+                    for of, load in carried.items()
+                ),
+                *(
+                    Form(f"by {of} and a bias, lifting off, {law.name}", ("friction_coefficient",), _lifting(law, load.of), (0.0,), (np.inf,),
+                         (law.parameter, "bias"), (), [law.limits, (-1.5 * strongest, 1.5 * strongest)], (f"by {of} and a bias, {law.name}",),
+                         equation=f"y += friction_coefficient * maximum(sign(bias) * ({load.symbol} + bias), 0) * {law.equation}")
                     for of, load in carried.items()
                 ),
             ]  # fmt: skip

@@ -39,6 +39,22 @@ def _friction_heating(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return _heated(scene, np.abs(scene.friction * scene.signals.speed), shape[0])
 
 
+def _copper_heating(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    """By the current of a motor or a coil, also where nothing moves."""
+    return _heated(scene, np.square(scene.torque), shape[0])
+
+
+def _switched_on(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    """A drive or a heater that is switched on during the recording."""
+    since = np.maximum(scene.signals.elapsed - shape[1], 0.0)
+    return (1.0 - np.exp(-since / shape[0]))[:, None]
+
+
+def _switched_off(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    """One that is switched off: what has warmed up cools down again."""
+    return _warming(scene, shape[:1]) - _switched_on(scene, shape)
+
+
 def _wave(scene: Scene, shape: tuple[float, ...]) -> Floats:
     """Day and night, or a heater that cycles: a slow wave that starts at zero."""
     angle = 2.0 * np.pi * scene.signals.elapsed / shape[0]
@@ -71,7 +87,9 @@ def _zero(scene: Scene) -> Floats:
 
 EXPONENTIAL = "(1 - exp(-t / time_constant))"
 HEATED, RUBBED, CHURNED = "heat(y * v, time_constant)", "heat(y_memory * v, time_constant)", "heat(v**2, time_constant)"
-"""Warming in equations: in time, by what the drive puts in, by losses, by the square of the speed."""
+CURRENT = "heat(y**2, time_constant)"
+SINCE = "(1 - exp(-maximum(t - switched, 0) / time_constant))"
+"""Warming in equations: in time, by what the drive puts in, by losses, by the square of the speed or of the torque, since a time."""
 
 
 def _slow_wave(name: str) -> str:
@@ -114,7 +132,7 @@ class ThermalDrift(Effect):
     title: ClassVar[str] = "thermal drift"
     summary: ClassVar[str] = "zero or stiffness that drifts with time or temperature while the joint warms up"
     equation: ClassVar[str] = (
-        "y += a w, a w y_sim (or a part of it) or both, a w + a2 w2, or w times a sum of its parts,  w = 1 − exp(−t/τ), t, lagged |y v|, v² or |f v| of the part f with memory, sin(2πt/P) with "
+        "y += a w, a w y_sim (or a part of it) or both, a w + a2 w2, or w times a sum of its parts,  w = 1 − exp(−t/τ), t, 1 − exp(−(t − t0)/τ) from t0 on or the difference of these two, lagged |y v|, v², y² or |f v| of the part f with memory, sin(2πt/P) with "
         "b (cos(2πt/P) − 1) or b cos(2πt/P), or temperature rise"
     )
     coordinate: ClassVar[str] = "time"
@@ -128,6 +146,7 @@ class ThermalDrift(Effect):
         Parameter("zero_drift_cos", "N·m", -np.inf, np.inf, "b, cosine part of a slow wave of the zero"),
         Parameter("stiffness_drift_cos", "1", -np.inf, np.inf, "b, cosine part of a slow wave of the torque"),
         Parameter("time_constant", "s", 0.0, np.inf, "of warming up"),
+        Parameter("switched", "s", 0.0, np.inf, "t0, when what heats was switched on or off"),
         Parameter("period", "s", 0.0, np.inf, "P of a slow wave"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("cyclic_softening", "torque_gain", "torque_offset")
@@ -155,6 +174,11 @@ class ThermalDrift(Effect):
                        times(_friction_heating, _torque), *heating)  # fmt: skip
         churned = _form("stiffness, viscous heating", f"stiffness_drift * {CHURNED} * y", stiffness,
                         times(_viscous_heating, _torque), *heating)  # fmt: skip
+        fed = _form("stiffness, heating by torque", f"stiffness_drift * {CURRENT} * y", stiffness,
+                    times(_copper_heating, _torque), *heating)  # fmt: skip
+        switching = ("time_constant", "switched"), [(a * span, b * span) for a in (0.1, 0.35) for b in (0.2, 0.35, 0.55)], [
+            *limits, (0.08 * span, 0.8 * span)
+        ]  # fmt: skip
         waved = _form("stiffness, slow wave", f"({_slow_wave('stiffness_drift')}) * y", (*stiffness, "stiffness_drift_cos"),
                       times(_wave, _torque), *waves)  # fmt: skip
         made = [
@@ -162,6 +186,7 @@ class ThermalDrift(Effect):
             _form("zero, exponential", f"zero_drift * {EXPONENTIAL}", zero, _warming, *warming),
             _form("zero, self-heating", f"zero_drift * {HEATED}", zero, _self_heating, *heating),
             _form("zero, friction heating", f"zero_drift * {RUBBED}", zero, _friction_heating, *heating),
+            _form("zero, heating by torque", f"zero_drift * {CURRENT}", zero, _copper_heating, *heating),
             _form("zero, slow wave", _slow_wave("zero_drift"), (*zero, "zero_drift_cos"), _wave, *waves),
             _form("zero, slow wave, begun before", _slow_wave_begun_before("zero_drift"), (*zero, "zero_drift_cos"), _wave_begun_before, *waves),
             _form("stiffness, slow wave, begun before", f"({_slow_wave_begun_before('stiffness_drift')}) * y",
@@ -183,9 +208,18 @@ class ThermalDrift(Effect):
             *inside(rubbed, _friction_heating),
             churned,
             *inside(churned, _viscous_heating),
+            fed,
+            *inside(fed, _copper_heating),
             *inside(warmed, _warming),
             *inside(waved, _wave),
         ]  # fmt: skip
+        for told, since, law in (
+            ("switched on", SINCE, _switched_on), ("switched off", f"({EXPONENTIAL} - {SINCE})", _switched_off),
+        ):  # fmt: skip
+            late = _form(
+                f"stiffness, {told}", f"stiffness_drift * {since} * y", stiffness, times(law, _torque), *switching
+            )
+            made += [_form(f"zero, {told}", f"zero_drift * {since}", zero, law, *switching), late, *inside(late, law)]
         for name, values in s.channels.items():
             if "temp" in name.lower() and np.ptp(values) > 0.0:
                 rise, risen = _channel(name), f"rise({name})"
