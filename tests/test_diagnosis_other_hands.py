@@ -127,18 +127,18 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
     "a brake whose pads have play": ("backlash", lambda: spring(X) + friction(X - ahead(0.02))),
     "a mechanism that was zeroed at a flank": ("backlash", lambda: joint(X - ahead(0.02) + 0.02)),
     "a shock absorber's valve": (
-        "viscous_friction", lambda: joint(X) + 0.25 * np.clip(SPEED, -0.5, 0.5) + 0.06 * (SPEED - np.clip(SPEED, -0.5, 0.5))
+        "viscous_friction", lambda: joint(X) + 0.4 * np.clip(SPEED, -0.4, 0.4)
     ),
     "a seal that is tighter towards one end": ("coulomb_friction", lambda: joint(X) + 0.15 * (1.0 + 0.5 * X) * SIGN),
     "a motor that its current heats": (
-        "thermal_drift", lambda: joint(X) + 0.2 * lagged(joint(X) ** 2, 8.0) / np.max(lagged(joint(X) ** 2, 8.0))
+        "thermal_drift", lambda: joint(X) + 0.2 * lagged(joint(X) ** 2, 2.0) / np.max(lagged(joint(X) ** 2, 2.0))
     ),
     "a heater that is switched on": ("thermal_drift", lambda: joint(X) * (1.0 - 0.08 * since(9.0, 5.0))),
     "a heater that is switched off": (
         "thermal_drift", lambda: joint(X) + 0.25 * (since(0.0, 5.0) - since(16.0, 5.0))
     ),
     "a bumper that rubs": (
-        "end_stop", lambda: joint(X) + 4.0 * deep(X, 0.55) + 1.0 * np.abs(deep(X, 0.55)) * SIGN
+        "end_stop", lambda: joint(X) + 4.0 * deep(X, 0.5) + 2.4 * np.abs(deep(X, 0.5)) * SIGN
     ),
     "a bumper of rubber": ("end_stop", lambda: joint(X) + 4.0 * deep(X, 0.55) - 1.6 * lagged(deep(X, 0.55), 0.3)),
     "contacts that lift off": ("load_dependent_friction", lambda: joint(X) + 0.08 * np.maximum(1.2 + spring(X), 0.0) * SIGN),
