@@ -197,7 +197,9 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         # Nor is anything else believed beside errors beyond the usual ones.
         likely = {id(h): likely[id(h)] + errors.believed(h) for h in found}
         ranked = sorted(found, key=lambda h: -likely[id(h)])
-    best = rather_two(evidence, found, best, energy)
+    two = rather_two(evidence, found, best, energy)
+    # A gain beside what undoes it on one of the simulator's parts is an error of the rest.
+    best = best if GAIN in two.names and rather_own_parts(evidence, two) is not two else two
     best = best if errors.spares(best) else rather_off(evidence, best, blank, size)
     best = polish(evidence, best)
     refit = _judge_refit(evidence, best, energy)

@@ -69,17 +69,10 @@ def rather_off(evidence: Evidence, best: Hypothesis, blank: Hypothesis, size: fl
 
 
 def rather_two(evidence: Evidence, found: Sequence[Hypothesis], blank: Hypothesis, energy: float) -> Hypothesis:
-    """Two effects beside an exact simulator in place of one that is off, where neither that nor one of them does nearly as well.
-
-    A gain is none of them: beside what undoes it on a part of the simulator, it is the error of the rest.
-    """
+    """Two effects beside an exact simulator in place of one that is off, where neither that nor one of them does nearly as well."""
     if evidence.fitted or blank.terms or not is_refitted(blank.scale):
         return blank
-    pairs = [
-        (h.beside_exact.score, h)
-        for h in found
-        if len(h.terms) == 2 and h.beside_exact and h.names.isdisjoint(STANDS_IN)
-    ]
+    pairs = [(h.beside_exact.score, h) for h in found if len(h.terms) == 2 and h.beside_exact]
     if not pairs:
         return blank
     score, pair = max(pairs, key=lambda each: each[0])
