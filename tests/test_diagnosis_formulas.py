@@ -187,6 +187,8 @@ def carried_out(form: Form, values: dict[str, Any]) -> Floats:
     if ", in the elastic part alone" in text:
         return at.spring_change(result)
     change = at.torque_change(result)
+    if ", in the part with memory alone" in text:
+        return change - at.spring_change(result)
     more = re.search(r", and (.*) more in the elastic part", text)
     if more:
         change = change + at.spring_change(result + eval(more[1], {}, known)) - at.spring_change(result)
@@ -222,7 +224,11 @@ def test_each_equation_names_each_parameter_and_explains_its_words(effect: Effec
         used = set(re.findall(r"[a-z]\w*", form.equation))
         assert own <= used, form.name
         if form.name not in IMPLICIT:
-            plain = re.sub(r", (in the elastic part alone|and (.*) more in the elastic part)", r" \2", form.equation)
+            plain = re.sub(
+                r", (in the (?:elastic part|part with memory) alone|and (.*) more in the elastic part)",
+                r" \2",
+                form.equation,
+            )
             unknown = (
                 set(re.findall(r"[a-z]\w*", plain))
                 - own

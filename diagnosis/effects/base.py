@@ -316,6 +316,8 @@ PARTS: Mapping[str, Part] = {
 }  # fmt: skip
 """What may change inside the joint when not all of its torque does, by name: the elastic curve, all that has memory, the
 slope of both, or the level at which friction slides."""
+EXACT_PARTS = "the spring", "the friction"
+"""Those that are known as they are, whatever the change: a strength that changes with a corner is not known well enough."""
 BARELY = 0.05
 """What is left at least of a stiffness that is lost."""
 
@@ -325,13 +327,13 @@ def times(laws: Columns, *parts: Callable[[Scene], Floats]) -> Columns:
     return lambda scene, shape: np.hstack([laws(scene, shape) * part(scene)[:, None] for part in parts])
 
 
-def inside(form: Form, laws: Columns) -> list[Form]:
+def inside(form: Form, laws: Columns, parts: Collection[str] = PARTS) -> list[Form]:
     """Forms like ``form``, which scales the whole torque by ``laws`` (n, k), that scale a part of it.
 
     The equation of ``form`` ends in that torque, ``y``.
     """
     made = []
-    for name, part in PARTS.items():
+    for name, part in ((name, PARTS[name]) for name in parts):
         of = replace(form, name=f"{form.name}, of {name}", columns=times(laws, part.of), grid=form.grid[::2])
         if part.about is None:
             made.append(replace(of, equation=form.equation.removesuffix("y") + part.symbol))

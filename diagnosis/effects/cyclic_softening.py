@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import TRAVEL, Columns, Effect, Floats, Form, Parameter, Scene, geometric, inside
+from .base import EXACT_PARTS, TRAVEL, Columns, Effect, Floats, Form, Parameter, Scene, geometric, inside
 
 __all__ = ["CyclicSoftening"]
 
@@ -200,7 +200,12 @@ class CyclicSoftening(Effect):
         cracked = Form("linear from a travel on", ("softening",), _lost(_incubated), (0.0,), (1.0 / max(0.2 * total, 1e-300),),
                        ("begun",), [(share * total,) for share in (0.2, 0.4, 0.6)], [(0.08 * total, 0.8 * total)],
                        equation="y -= softening * maximum(travel - begun, 0) * y")  # fmt: skip
-        made += [failing, *inside(failing, _column(_weibull)), cracked, *inside(cracked, _column(_incubated))]
+        made += [
+            failing,
+            *inside(failing, _column(_weibull)),
+            cracked,
+            *inside(cracked, _column(_incubated), EXACT_PARTS),
+        ]
         # A law that was found elsewhere goes on, however little there is to count.
         found = bool(scene.signals.sizes)
         if found or _goes_on(scene):

@@ -7,7 +7,21 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import ELAPSED, LOW, PARTS, Columns, Effect, Floats, Form, Parameter, Scene, geometric, inside, times
+from .base import (
+    ELAPSED,
+    EXACT_PARTS,
+    LOW,
+    PARTS,
+    Columns,
+    Effect,
+    Floats,
+    Form,
+    Parameter,
+    Scene,
+    geometric,
+    inside,
+    times,
+)
 
 __all__ = ["ThermalDrift"]
 
@@ -219,7 +233,11 @@ class ThermalDrift(Effect):
             late = _form(
                 f"stiffness, {told}", f"stiffness_drift * {since} * y", stiffness, times(law, _torque), *switching
             )
-            made += [_form(f"zero, {told}", f"zero_drift * {since}", zero, law, *switching), late, *inside(late, law)]
+            made += [
+                _form(f"zero, {told}", f"zero_drift * {since}", zero, law, *switching),
+                late,
+                *inside(late, law, EXACT_PARTS),
+            ]
         for name, values in s.channels.items():
             if "temp" in name.lower() and np.ptp(values) > 0.0:
                 rise, risen = _channel(name), f"rise({name})"
