@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from development import developed
-from hardening_joint import signals_of
+from hardening_joint import rich_motion, signals_of
 from joints import sliders
 from motions import swelling
 from numpy.typing import NDArray
@@ -135,3 +135,14 @@ def test_two_effects_do_not_lose_to_two_others_for_a_simulator_that_they_do_not_
     """Beside a simulator that is off they fit a trace better than beside an exact one, and paid the price of that."""
     found = diagnose(make(Case("slip", effects, 4.0, 0.0, "sweeps", seed)).signals)
     assert set(found.verdict) == set(effects)
+
+
+@pytest.mark.parametrize("factor", [0.92, 1.05])
+def test_a_pedal_that_is_pressed_one_way_has_a_gain_and_no_stiffer_side(factor: float) -> None:
+    """All of its torque is positive: a factor on that is one on the torque."""
+    time, x = rich_motion()
+    pressed = 0.6 + 0.5 * x
+    y_sim = 3.0 * pressed + 2.0 * pressed**3 + sliders(pressed, ((5.0, 0.1), (2.0, 0.2)))
+    rubs = 0.25 * np.tanh(np.gradient(pressed, time) / 0.02)
+    found = diagnose(signals_of(time, pressed, factor * y_sim + rubs, y_sim, noise_level=0.03))
+    assert set(found.verdict) == {"torque_gain", "coulomb_friction"}

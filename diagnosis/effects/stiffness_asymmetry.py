@@ -99,6 +99,22 @@ def _stretched(side: float) -> Columns:
     return columns
 
 
+ONE_SIDED = 1e-3
+"""Share of its energy by which a law must differ from a factor on the torque, or on the spring, to be of one side only."""
+
+
+def _is_a_factor(form: Form, scene: Scene) -> bool:
+    """Whether all that was seen of the joint is on the law's side."""
+    if form.shapes:
+        return False
+    for column in form.columns(scene, ()).T:
+        for whole in (scene.torque, scene.spring):
+            energy = float(column @ column) * float(whole @ whole)
+            if energy > 0.0 and float(column @ whole) ** 2 > (1.0 - ONE_SIDED) * energy:
+                return True
+    return False
+
+
 class StiffnessAsymmetry(Effect):
     """Different stiffness for positive and negative deflection."""
 
@@ -208,4 +224,5 @@ class StiffnessAsymmetry(Effect):
                              [(-0.6, 1.5)], (sharp, f"elastic {sharp}"), lambda shape, coefficients: (float(coefficients[0]),),
                              equation=f"x = x + extra_stretch * {'maximum' if side > 0.0 else 'minimum'}(x, 0)")
                     )  # fmt: skip
-        return made
+        # A law that was found elsewhere may see one side only where it goes on.
+        return made if scene.signals.sizes else [form for form in made if not _is_a_factor(form, scene)]
