@@ -76,7 +76,8 @@ def test_what_the_simulator_has_too_much_of_is_named_with_a_minus(effect: str, p
     assert report.parameters[parameter] == pytest.approx(-size, rel=0.05)
     low, high = found.parameter_intervals[effect][parameter]
     assert low <= -size <= high
-    assert f"too much {effect.replace('_', ' ')} in the simulator; correcting that" in sentence(found)
+    title = effect.replace("_", " ").replace("coulomb", "Coulomb")
+    assert f"too much {title} in the simulator; correcting that" in sentence(found)
 
 
 def test_dry_friction_whose_sign_turns_slowly_needs_no_excess_at_rest() -> None:

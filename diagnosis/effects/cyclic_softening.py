@@ -217,10 +217,11 @@ class CyclicSoftening(Effect):
             made += law("power of largest deflection", "farthest**power", _power(_farthest), "power",
                         [(0.5,), (2.0,)], (0.3, 3.0), np.inf)  # fmt: skip
         for word, constant, used, shares, slowest in (
-            ("work", "work_constant", _work, (0.1, 0.4, 1.5), 3.0),
-            ("damage", "damage_constant", _damage, (0.2, 0.8), 3.0),
-            ("losses", "loss_constant", _losses, (0.2, 0.8, 3.0), 5.0),
-            ("swings", "swing_constant", _swings, (0.2, 0.8), 3.0),
+            # Hardly begun, it is linear.
+            ("work", "work_constant", _work, (0.1, 0.4, 1.5), 20.0),
+            ("damage", "damage_constant", _damage, (0.2, 0.8), 20.0),
+            ("losses", "loss_constant", _losses, (0.2, 0.8, 3.0), 20.0),
+            ("swings", "swing_constant", _swings, (0.2, 0.8), 20.0),
         ):
             total_used = float(used(scene).max())
             if not found and (total_used <= 0.0 or (used is _losses and not _is_lossy(scene))):

@@ -189,7 +189,7 @@ class EndStop(Effect):
         down = [-middle + f * reach for f in shares]
         top, bottom = (middle + 0.35 * reach, middle + 0.985 * reach), (-middle + 0.35 * reach, -middle + 0.985 * reach)
         span, interval = float(scene.signals.elapsed.max()), scene.signals.interval
-        relaxation, soon = (min(4.0 * interval, 0.02 * span), 0.3 * span), 0.02 * span
+        relaxation, soon = (min(4.0 * interval, 0.01 * span), 0.04 * span), 0.01 * span
         made = []
         for power, told in ((1.0, ""), (1.5, ", Hertz")):
             made += [

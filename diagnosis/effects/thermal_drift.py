@@ -9,7 +9,6 @@ import numpy as np
 
 from .base import (
     ELAPSED,
-    EXACT_PARTS,
     LOW,
     PARTS,
     Columns,
@@ -223,7 +222,6 @@ class ThermalDrift(Effect):
             churned,
             *inside(churned, _viscous_heating),
             fed,
-            *inside(fed, _copper_heating),
             *inside(warmed, _warming),
             *inside(waved, _wave),
         ]  # fmt: skip
@@ -233,11 +231,7 @@ class ThermalDrift(Effect):
             late = _form(
                 f"stiffness, {told}", f"stiffness_drift * {since} * y", stiffness, times(law, _torque), *switching
             )
-            made += [
-                _form(f"zero, {told}", f"zero_drift * {since}", zero, law, *switching),
-                late,
-                *inside(late, law, EXACT_PARTS),
-            ]
+            made += [_form(f"zero, {told}", f"zero_drift * {since}", zero, law, *switching), late]
         for name, values in s.channels.items():
             if "temp" in name.lower() and np.ptp(values) > 0.0:
                 rise, risen = _channel(name), f"rise({name})"

@@ -26,6 +26,8 @@ none whose law a part of the simulator comes near needed less than 0.11, but gai
 AS_GOOD = 0.02
 """Evidence a sample by which the part, which is emulated, may do worse. Of the same effects none with so small an error did worse
 by less than 0.2, but gains."""
+MOST = 0.15
+"""The same as a share of what the effect brings, which may be little."""
 THE_SAME = 1.0
 """Logarithm of the odds up to which a factor on the spring alone is one on the whole torque: friction would tell them apart. On 18
 strangers' joints with a gain the least was 7."""
@@ -56,6 +58,10 @@ def _is_own_part(evidence: Evidence, strictly: Hypothesis, name: str) -> bool:
     if not np.any(few):
         return False
     rss = float(left @ left) - float(np.max(error[few] ** 2 * energy[few]))
-    others = [term for term in strictly.terms if term.effect.id != name]
-    score = float(evidence.score(np.array([rss]), (EXACT,), count_unknowns(others) + 1)[0])
-    return score > strictly.score - (THE_SAME if is_gain else AS_GOOD * evidence.effective)
+    free = count_unknowns([term for term in strictly.terms if term.effect.id != name])
+    of_part, without = (
+        float(evidence.score(np.array([left_over]), (EXACT,), unknowns)[0])
+        for left_over, unknowns in ((rss, free + 1), (float(left @ left), free))
+    )
+    least = THE_SAME if is_gain else min(AS_GOOD * evidence.effective, MOST * (strictly.score - without))
+    return of_part > strictly.score - least
