@@ -59,11 +59,6 @@ def _opening(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.column_stack([below, v - below])
 
 
-def _opening_unequally(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    either, ahead = _opening(scene, shape), scene.signals.speed[:, None] > 0.0
-    return np.hstack([either * ahead, either * ~ahead])
-
-
 class ViscousFriction(Effect):
     """Damping in grease, seals, eddy currents or the structure."""
 
@@ -71,7 +66,7 @@ class ViscousFriction(Effect):
     title: ClassVar[str] = "viscous friction"
     summary: ClassVar[str] = "torque that opposes motion and grows with speed (grease, seals, damping)"
     equation: ClassVar[str] = (
-        "y += c |v|^p sgn(v), c v + c2 |v| v, c v + c3 v³, either of the first with another c for each direction, c v linear in x or in x², c asinh(v/w) (Eyring), c arctan(v/w), or c v up to a speed and c' v beyond, also unlike in either direction"
+        "y += c |v|^p sgn(v), c v + c2 |v| v, c v + c3 v³, either of the first with another c for each direction, c v linear in x or in x², c asinh(v/w) (Eyring), c arctan(v/w), or c v up to a speed and c' v beyond"
     )
     coordinate: ClassVar[str] = "speed"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -86,7 +81,6 @@ class ViscousFriction(Effect):
         Parameter("damping_middle", "N·m·s/rad", 0.0, np.inf, "c at x = 0, where it changes alike both ways"),
         Parameter("damping_ends", "N·m·s/rad", 0.0, np.inf, "c at the largest deflection, where it does"),
         Parameter("damping_open", "N·m·s/rad", 0.0, np.inf, "c', beyond the speed at which a valve opens"),
-        Parameter("damping_open_back", "N·m·s/rad", 0.0, np.inf, "the same in the negative direction"),
         Parameter("opening_speed", "rad/s", 0.0, np.inf, "that speed"),
         Parameter("limit", "N·m", 0.0, np.inf, "c of a grease that thins or saturates"),
         Parameter("thinning_speed", "rad/s", 0.0, np.inf, "w, speed at which it does"),
@@ -131,13 +125,8 @@ class ViscousFriction(Effect):
                  equation="y += where(v > 0, damping, damping_back) * abs(v)**power * sign(v)"),
             *thinning,
             Form("linear, a valve that opens", ("damping", "damping_open"), _opening, *both, ("opening_speed",),
-                 [(share * fast,) for share in (0.3, 0.6, 1.0)], [(0.2 * fast, 2.0 * fast)],
+                 [(share * fast,) for share in (0.4, 0.7, 1.1)], [(0.3 * fast, 2.0 * fast)],
                  equation=f"y += damping * {below} + damping_open * (v - {below})"),
-            Form("linear, a valve that opens, unequal", ("damping", "damping_open", "damping_back", "damping_open_back"),
-                 _opening_unequally, (0.0,) * 4, (np.inf,) * 4, ("opening_speed",), (), [(0.2 * fast, 2.0 * fast)],
-                 ("linear, a valve that opens",),
-                 equation=f"y += where(v > 0, damping, damping_back) * {below} "
-                          f"+ where(v > 0, damping_open, damping_open_back) * (v - {below})"),
             # A power of the speed the other way round imitates delays and what falls with speed.
             overdone(linear),
         ]  # fmt: skip
