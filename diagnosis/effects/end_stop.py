@@ -26,11 +26,16 @@ def _columns(upper: bool, lower: bool, power: float) -> Columns:
     return columns
 
 
+def _depth(scene: Scene, side: float, at: float) -> Floats:
+    """How deep a stop on one side is pressed, rad, shape (n,)."""
+    return np.maximum(side * scene.signals.smooth_x - at, 0.0)
+
+
 def _damped(side: float) -> Columns:
     """A stop that loses energy by a damper that is there while it is touched."""
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        depth = np.maximum(side * scene.signals.smooth_x - shape[0], 0.0)
+        depth = _depth(scene, side, shape[0])
         return np.column_stack([side * depth, (depth > 0.0) * scene.signals.speed])
 
     return columns
@@ -41,7 +46,7 @@ def _contact(side: float, power: float | None = None) -> Columns:
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         signals, p = scene.signals, shape[-1] if power is None else power
-        pressed = np.maximum(side * signals.smooth_x - shape[0], 0.0) ** p
+        pressed = _depth(scene, side, shape[0]) ** p
         return np.column_stack([side * pressed, pressed * signals.speed])
 
     return columns
@@ -52,7 +57,7 @@ def _rubbing(side: float) -> Columns:
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         signals = scene.signals
-        pressed = np.maximum(side * signals.smooth_x - shape[0], 0.0) ** shape[-1]
+        pressed = _depth(scene, side, shape[0]) ** shape[-1]
         return np.column_stack([side * pressed, pressed * signals.bristle(TURNED * signals.reach)])
 
     return columns
@@ -62,7 +67,7 @@ def _relaxing(side: float) -> Columns:
     """A bumper of rubber, a part of whose torque relaxes while it is pressed."""
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        depth = np.maximum(side * scene.signals.smooth_x - shape[0], 0.0)
+        depth = _depth(scene, side, shape[0])
         return side * np.column_stack([depth, depth - scene.signals.lowpass(depth, shape[-1])])
 
     return columns

@@ -63,7 +63,7 @@ class Emulator:
     structure, bulk : array, shape (n, m)
         Change of the output for a relative change of each parameter by one: fine structure, and bulk.
     parts : array, shape (n, m)
-        Those of the bulk that are each one parameter of friction, damping, mass and the like.
+        The same for what is each one parameter of friction, damping, mass and the like, however many elements follow it.
     parameters : dict
         What rebuilds it: ``model`` (a registered id, or ``"generalised"``) and ``parameters``; of a registered model also
         ``split``.

@@ -243,7 +243,7 @@ class Generalised:
     def tangent(self) -> tuple[Floats, Floats, Floats]:
         """Columns (n, m) of structure and bulk, each the change for a relative error of one of some parameter.
 
-        The third are those of the bulk that are of friction, damping, mass and the like, each one parameter of the simulator's.
+        The third are of friction, damping, mass and the like, each one parameter of the simulator's.
         """
         x = self.signals.x
         elastic, stops, placed = self._parts(self.thresholds)

@@ -199,7 +199,8 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         ranked = sorted(found, key=lambda h: -likely[id(h)])
     two = rather_two(evidence, found, best, energy)
     # A gain beside what undoes it on one of the simulator's parts is an error of the rest.
-    best = best if GAIN in two.names and rather_own_parts(evidence, two) is not two else two
+    if two is not best and (GAIN not in two.names or rather_own_parts(evidence, two) is two):
+        best = two
     best = best if errors.spares(best) else rather_off(evidence, best, blank, size)
     best = polish(evidence, best)
     refit = _judge_refit(evidence, best, energy)
