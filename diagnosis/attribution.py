@@ -153,12 +153,16 @@ def _range(values: Floats, signal: Floats) -> tuple[float, float]:
 
 
 def profile(values: Floats, gap: Floats, bins: int = 24) -> tuple[Floats, Floats, Floats]:
-    """Mean and RMS of ``gap`` over equally filled bins of a coordinate: centres, means, RMS values."""
-    edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, bins + 1)))
-    if edges.size < 2:
-        return values[:1], np.array([gap.mean()]), np.array([np.sqrt(np.mean(np.square(gap)))])
-    which = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
-    count = np.maximum(np.bincount(which, minlength=edges.size - 1), 1)
-    means = np.bincount(which, gap, edges.size - 1) / count
-    rms = np.sqrt(np.bincount(which, gap**2, edges.size - 1) / count)
-    return 0.5 * (edges[1:] + edges[:-1]), means, rms
+    """Mean and RMS of ``gap`` along a coordinate, over equally filled bins or, where it has no more values than bins
+    (a direction), over each value: the places, the means, the RMS values."""
+    places = np.unique(values)
+    if places.size > bins:
+        edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, bins + 1)))
+        which = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
+        places = 0.5 * (edges[1:] + edges[:-1])
+    else:
+        which = np.searchsorted(places, values)
+    count = np.maximum(np.bincount(which, minlength=places.size), 1)
+    means = np.bincount(which, gap, places.size) / count
+    rms = np.sqrt(np.bincount(which, gap**2, places.size) / count)
+    return places, means, rms

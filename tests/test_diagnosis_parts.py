@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
 from hystbench.diagnosis import registry
-from hystbench.diagnosis.attribution import locate
+from hystbench.diagnosis.attribution import locate, profile
 from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.emulator.selection import Selection
 from hystbench.diagnosis.excitation import Limits, candidate_motions
@@ -229,6 +229,17 @@ def test_closed_share_counts_beyond_the_noise_and_brackets_itself() -> None:
     assert closed == pytest.approx(0.75, abs=0.01)
     assert low <= closed <= high
     assert rmse == pytest.approx(np.sqrt(0.125 + 0.01), rel=0.02)
+
+
+def test_a_gap_is_drawn_at_each_direction_and_over_bins_of_a_deflection() -> None:
+    rng = np.random.default_rng(6)
+    direction, deflection = rng.choice([-1.0, 1.0], 900), rng.uniform(-1.0, 1.0, 900)
+    places, means, rms = profile(direction, 2.0 * direction + 0.5)
+    assert places.tolist() == [-1.0, 1.0]
+    assert np.allclose([means, rms], [[-1.5, 2.5], [1.5, 2.5]])
+    places, means, _ = profile(deflection, deflection, bins=9)
+    assert places.size == 9
+    assert np.allclose(means, places, atol=0.02)
 
 
 def test_where_gives_a_drift_to_time_and_a_spring_to_position() -> None:
