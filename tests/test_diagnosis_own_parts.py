@@ -39,6 +39,14 @@ def test_one_part_that_is_off_by_a_few_per_cent_is_no_effect(part: str, error: f
     assert found.closed_in_all > 0.9
 
 
+@pytest.mark.parametrize("part", ["inertia", "viscous_friction", "sliders"])
+def test_one_part_that_is_off_by_less_than_the_noise_is_no_gap(part: str) -> None:
+    y_sim = joint("sliders", part) if part != "sliders" else joint("inertia", part)
+    error = 0.05 * PARTS[part]
+    found = diagnose(signals_of(TIME, X, y_sim + error, y_sim, noise_level=3.0 * np.std(error)))
+    assert found.verdict == []
+
+
 @pytest.mark.parametrize("part", ["inertia", "viscous_friction", "coulomb_friction"])
 def test_much_more_of_a_part_or_a_part_that_is_not_there_is_an_effect(part: str) -> None:
     for y_sim in (joint("sliders", part), joint("sliders")):

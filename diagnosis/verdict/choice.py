@@ -208,10 +208,11 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         other = as_one_factor(evidence, best, found, energy, size)
         if other is not best:
             best, refit = other, _judge_refit(evidence, other, energy)
-    rather = rather_own_parts(evidence, best)
+    # What is no gap beyond the noise is no error either.
+    rather = rather_own_parts(evidence, best) if rms(best.signal) > NEGLIGIBLE * floor else best
     is_own = rather is not best
     if is_own:
-        # However little it makes.
+        # However little of the gap that is.
         best, refit = rather, replace(_judge_refit(evidence, rather, energy), miscalibrated=True)
     if (
         best.terms
