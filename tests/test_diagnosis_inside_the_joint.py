@@ -108,6 +108,17 @@ def test_what_relaxes_from_where_the_recording_began_needs_no_offset_besides() -
     assert found.effects[0].law.endswith("of its rise")
 
 
+@pytest.mark.parametrize("rest", [-1.2, 0.9])
+def test_what_relaxes_from_where_the_joint_had_rested_before_needs_no_offset_besides(rest: float) -> None:
+    sim, kept = joint(X), np.exp(-STEP / 1.5)
+    relaxed = lfilter([1.0 - kept], [1.0, -kept], sim - rest)
+    found = diagnose(signals(sim - 0.12 * relaxed))
+    assert found.verdict == ["stress_relaxation"]
+    assert found.effects[0].law == "from the torque down, since a rest"
+    assert found.effects[0].parameters["rest"] == pytest.approx(rest, rel=0.1)
+    assert found.closed_in_all > 0.99
+
+
 @pytest.mark.parametrize("pace", [0.01, 0.05])
 def test_friction_that_knows_the_speed_alone_has_a_strength_and_its_damper_has_none(pace: float) -> None:
     def rigid(friction: Floats | float) -> Floats:

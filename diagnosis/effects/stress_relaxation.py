@@ -123,6 +123,17 @@ DEFLECTION, TORQUE = Part("x", lambda scene: scene.signals.smooth_x), Part("y", 
 SPRING = PARTS["the spring"]
 
 
+def _from_a_rest(part: Part) -> Columns:
+    """Relaxation towards where the joint is from where it had rested before the recording began."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        s, u, (tau, rest) = scene.signals, part.of(scene), shape
+        first = s.per_run(lambda run: np.full(run.stop - run.start, u[run.start]))
+        return (rest - s.lowpass(u, tau) - (rest - first) * np.exp(-s.elapsed / tau))[:, None]
+
+    return columns
+
+
 class StressRelaxation(Effect):
     """Torque that decays while the deflection is held (rubber, polymer belts, tendons)."""
 
@@ -130,7 +141,7 @@ class StressRelaxation(Effect):
     title: ClassVar[str] = "stress relaxation"
     summary: ClassVar[str] = "torque that decays during a hold and rises with rate (viscoelastic Maxwell branch)"
     equation: ClassVar[str] = (
-        "y += Σ k_i (x − L_i),  τ_i dL_i/dt = x − L_i   (or with y_sim, or its elastic part, in place of k x; or y −= Σ s_i L_i of either); or y += k dᵖx/dtᵖ with 0 < p < 1; "
+        "y += Σ k_i (x − L_i),  τ_i dL_i/dt = x − L_i   (or with y_sim, or its elastic part, in place of k x; or y −= Σ s_i (L_i − r) of either, r being where the joint had rested before); or y += k dᵖx/dtᵖ with 0 < p < 1; "
         "or y += k f,  df/dt = dx/dt − (f / τ) |f / X|^(p − 1) with the stroke X; or x → x − c,  τ dc/dt = y/K − c"
     )
     coordinate: ClassVar[str] = "time"
@@ -148,6 +159,7 @@ class StressRelaxation(Effect):
         ),
         Parameter("time_constant", "s", 0.0, np.inf, "of the (first) branch"),
         Parameter("held", "N·m", -np.inf, np.inf, "what the branch held when the recording began amid a motion"),
+        Parameter("rest", "N·m", -np.inf, np.inf, "torque to which the joint had relaxed before the recording began"),
         Parameter("held_2", "N·m", -np.inf, np.inf, "what the second one held"),
         Parameter("compliance", "rad/(N·m)", 0.0, np.inf, "1/K, of what creeps in series with the joint"),
         Parameter(
@@ -241,6 +253,17 @@ class StressRelaxation(Effect):
         ]
         dashpots = tuple(f"power-law dashpot, from the {part} down" for part in ("torque", "spring"))
         risen = tuple(f"from the {part} down, of its rise" for part in ("torque", "spring"))
+
+        def since_a_rest(name: str, part: Part) -> Form:
+            u = part.symbol
+            single, risen = name.removesuffix(", since a rest"), name.replace("since a rest", "of its rise")
+            return Form(
+                name, ("share",), _from_a_rest(part), (0.0,), (np.inf,), ("time_constant", "rest"), (),
+                [limits, (-s.strongest, s.strongest)], (single, risen),
+                lambda shape, _: (shape[0], float(part.of(scene)[0])), borders=[LOW, NOT],
+                equation=f"y -= share * (lowpass({u}, time_constant) - rest + (rest - {u} + rise({u})) * exp(-t / time_constant))",
+            )  # fmt: skip
+
         begun_away = abs(s.smooth_x[0]) > AWAY * s.reach
         begun_amid = begun_away and len(s.runs) == 1
         # What a joint was held at before may be the rest from which it relaxes.
@@ -252,6 +275,8 @@ class StressRelaxation(Effect):
         return [
             *single,
             *(fresh if begun_away else ()),
+            since_a_rest("from the torque down, since a rest", TORQUE),
+            since_a_rest("from the spring down, since a rest", SPRING),
             *(_begun_before(form) for form in (*single, *up) if begun_amid),
             *(_begun_before(form, dashpot) for form, dashpot in zip(down, dashpots, strict=True) if begun_amid),
             Form("two branches", ("stiffness", "stiffness_2"), of_two, (0.0, 0.0), (np.inf, np.inf),
