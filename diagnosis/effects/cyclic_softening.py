@@ -216,18 +216,18 @@ class CyclicSoftening(Effect):
                         [(share * far,) for share in (0.3, 1.0)], (0.1 * far, 5.0 * far), np.inf)  # fmt: skip
             made += law("power of largest deflection", "farthest**power", _power(_farthest), "power",
                         [(0.5,), (2.0,)], (0.3, 3.0), np.inf)  # fmt: skip
-        for word, constant, used, shares, slowest in (
-            # Hardly begun, it is linear.
-            ("work", "work_constant", _work, (0.1, 0.4, 1.5), 20.0),
-            ("damage", "damage_constant", _damage, (0.2, 0.8), 20.0),
-            ("losses", "loss_constant", _losses, (0.2, 0.8, 3.0), 20.0),
-            ("swings", "swing_constant", _swings, (0.2, 0.8), 20.0),
+        for word, constant, used, shares in (
+            ("work", "work_constant", _work, (0.1, 0.4, 1.5)),
+            ("damage", "damage_constant", _damage, (0.2, 0.8)),
+            ("losses", "loss_constant", _losses, (0.2, 0.8, 3.0)),
+            ("swings", "swing_constant", _swings, (0.2, 0.8)),
         ):
             total_used = float(used(scene).max())
             if not found and (total_used <= 0.0 or (used is _losses and not _is_lossy(scene))):
                 continue
+            # Hardly begun, it is linear.
             made += law(f"by {word}", f"(1 - exp(-{word} / {constant}))", _exponential(used), constant,
-                        [(share * total_used,) for share in shares], (0.03 * total_used, slowest * total_used))  # fmt: skip
+                        [(share * total_used,) for share in shares], (0.03 * total_used, 20.0 * total_used))  # fmt: skip
         counts = {"reversals": _reversals}
         if found or float(scene.signals.turns.max()) > MORE * float(scene.signals.reversals.max()):
             counts["turns"] = _turns

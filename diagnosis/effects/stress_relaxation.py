@@ -128,7 +128,7 @@ def _from_a_rest(part: Part) -> Columns:
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         s, u, (tau, rest) = scene.signals, part.of(scene), shape
-        first = s.per_run(lambda run: np.full(run.stop - run.start, u[run.start]))
+        first = u - _since_the_start(part).of(scene)
         return (rest - s.lowpass(u, tau) - (rest - first) * np.exp(-s.elapsed / tau))[:, None]
 
     return columns
@@ -254,12 +254,11 @@ class StressRelaxation(Effect):
         dashpots = tuple(f"power-law dashpot, from the {part} down" for part in ("torque", "spring"))
         risen = tuple(f"from the {part} down, of its rise" for part in ("torque", "spring"))
 
-        def since_a_rest(name: str, part: Part) -> Form:
+        def since_a_rest(simpler: str, rise: str, part: Part) -> Form:
             u = part.symbol
-            single, risen = name.removesuffix(", since a rest"), name.replace("since a rest", "of its rise")
             return Form(
-                name, ("share",), _from_a_rest(part), (0.0,), (np.inf,), ("time_constant", "rest"), (),
-                [limits, (-s.strongest, s.strongest)], (single, risen),
+                f"{simpler}, since a rest", ("share",), _from_a_rest(part), (0.0,), (np.inf,), ("time_constant", "rest"), (),
+                [limits, (-s.strongest, s.strongest)], (simpler, rise),
                 lambda shape, _: (shape[0], float(part.of(scene)[0])), borders=[LOW, NOT],
                 equation=f"y -= share * (lowpass({u}, time_constant) - rest + (rest - {u} + rise({u})) * exp(-t / time_constant))",
             )  # fmt: skip
@@ -275,8 +274,8 @@ class StressRelaxation(Effect):
         return [
             *single,
             *(fresh if begun_away else ()),
-            since_a_rest("from the torque down, since a rest", TORQUE),
-            since_a_rest("from the spring down, since a rest", SPRING),
+            since_a_rest("from the torque down", risen[0], TORQUE),
+            since_a_rest("from the spring down", risen[1], SPRING),
             *(_begun_before(form) for form in (*single, *up) if begun_amid),
             *(_begun_before(form, dashpot) for form, dashpot in zip(down, dashpots, strict=True) if begun_amid),
             Form("two branches", ("stiffness", "stiffness_2"), of_two, (0.0, 0.0), (np.inf, np.inf),
