@@ -349,6 +349,24 @@ def tendon(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return arm * (3.0 * (1.0 - e) * shortened + sliders(shortened, ((12.0, 0.3 * (1.0 + e)), (6.0, 0.8 * (1.0 - e)))))
 
 
+def harmonic_drive(time: Floats, x: Floats, e: float = 0.0, steps: int = 8) -> Floats:
+    """A flexspline that hardens before what rubs inside, which a wave generator's spring and oil hold."""
+    outer, hardening, inner = 8.0 * (1.0 - e), 6.0 * (1.0 + e), 12.0 * (1.0 + e)
+    friction, way, oil = 0.5 * (1.0 - e), 0.01, 1.0 * (1.0 + e)
+    place, state, out = 0.0, 0.0, np.zeros_like(x)
+    for i in range(1, x.size):
+        for k in range(1, steps + 1):
+            twist = x[i - 1] + (x[i] - x[i - 1]) * k / steps - place
+            torque = outer * twist + hardening * twist**3
+            # Explicit, but for what is stiff.
+            stiff = outer + 3.0 * hardening * twist**2 + inner + friction / way
+            moved = (torque - inner * place - friction * state) / (oil * steps / INTERVAL + stiff)
+            state += (np.sign(moved) - state) * (1.0 - np.exp(-abs(moved) / way))
+            place += moved
+        out[i] = outer * (x[i] - place) + hardening * (x[i] - place) ** 3
+    return out
+
+
 JOINTS: dict[str, tuple[Joint, float]] = {
     "kinked": (kinked, 0.005),
     "two sliders": (two_sliders, 0.002),
@@ -383,5 +401,6 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "teeth": (teeth, 0.01),
     "absorber": (absorber, 0.005),
     "tendon": (tendon, 0.001),
+    "harmonic drive": (harmonic_drive, 0.002),
 }
 """With the error, as a share of the output, that the emulator may make over a motion that it never saw."""

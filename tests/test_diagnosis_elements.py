@@ -21,7 +21,7 @@ from hystbench.diagnosis.emulator.generalised import Generalised, spring_of
 from hystbench.diagnosis.emulator.kinds import KINDS
 from hystbench.diagnosis.emulator.motion import Extent, Motion
 from hystbench.diagnosis.operators.levels import attracted
-from hystbench.diagnosis.operators.memory import hyperbolic
+from hystbench.diagnosis.operators.memory import held_inside, hyperbolic
 from hystbench.diagnosis.operators.smooth_loops import pinched, smooth
 from hystbench.diagnosis.recording.noise import rms
 from hystbench.diagnosis.recording.signals import Signals
@@ -300,6 +300,26 @@ def test_smooth_and_pinched_loops_are_solutions_of_their_equation(
         wanted.append(float(z[0]))
     found = pinched(x, length, exponent, share, *pinch) if pinch else smooth(x, length, exponent, share)
     assert found == pytest.approx(wanted, abs=6e-5 * length)
+
+
+def test_spring_that_is_held_inside_a_drive_is_the_solution_of_its_equations() -> None:
+    friction, creep, after, damping, hardening = 0.06, 0.01, 1.5, 0.08, 0.75
+
+    def deflection(time: Floats) -> Floats:
+        return np.asarray(0.5 * np.sin(1.9 * time) + 0.2 * np.sin(5.3 * time))
+
+    def slopes(time: float, state: Floats) -> list[float]:
+        place, built_up = state
+        twist = float(deflection(np.array(time))) - place
+        speed = (twist + hardening * twist**3 - after * place - friction * built_up) / damping
+        return [speed, (speed - abs(speed) * built_up) / creep]
+
+    time = np.arange(0.0, 8.0, 0.002)
+    solved = solve_ivp(slopes, (0.0, 8.0), [0.0, 0.0], t_eval=time, rtol=1e-8, atol=1e-10, method="LSODA")
+    twist = deflection(time) - solved.y[0]
+    wanted = twist + hardening * twist**3
+    found = held_inside(time, deflection(time), friction, creep, after, damping, hardening)
+    assert np.max(np.abs(found - wanted)) < 3e-3 * np.max(np.abs(wanted))
 
 
 def test_model_file_keeps_further_elements_and_tells_what_is_wrong_with_them() -> None:

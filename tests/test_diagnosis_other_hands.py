@@ -62,6 +62,20 @@ def creeping(stiffness: float, tau: float, power: float, substeps: int = 20) -> 
     return out
 
 
+def let_go(y: Floats, tau: float, level: float) -> Floats:
+    """What of ``y`` a dashpot by Eyring takes over, by the sample: slowly at first, soon where it is over ``level``."""
+    state, out = 0.0, np.zeros_like(y)
+    for i, load in enumerate(y):
+        state += 0.5 * STEP / tau * level * np.sinh(np.clip((load - state) / level, -6.0, 6.0))
+        out[i] = state
+    return out
+
+
+def knee(over: Floats, width: float) -> Floats:
+    """What is ``over`` a limit, with a knee of a ``width``, N·m."""
+    return np.asarray(width * np.logaddexp(0.0, over / width))
+
+
 def creeping_in_series(stiffness: float, tau: float, substeps: int = 4) -> Floats:
     """The same joint behind a spring and a dashpot side by side, which its torque stretches."""
     crept, place, force, out = 0.0, 0.0, np.zeros(3), np.zeros_like(X)
@@ -206,6 +220,7 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
     "a spring that friction heats": ("thermal_drift", lambda: spring(X) * (1.0 - 0.3 * rubbed_warm(15.0)) + friction(X)),
     "a sensor that friction heats": ("thermal_drift", lambda: joint(X) - 0.25 * rubbed_warm(4.0)),
     "a soft limit on one side": ("torque_saturation", lambda: soft_limit(joint(X), 2.6)),
+    "an adhesive that creeps by Eyring": ("stress_relaxation", lambda: joint(X) - 0.06 * let_go(joint(X), 0.45, 0.5)),
     "unequal limits": ("torque_saturation", lambda: np.clip(joint(X), -1.9, 2.4)),
     "a coupling whose far side still stiffens a little": (
         "torque_saturation", lambda: spring(X) - 0.75 * (spring(X) - np.clip(spring(X), -3.0, 3.0)) + friction(X)
@@ -226,6 +241,12 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
 def test_a_law_of_another_hand_is_named(law: str) -> None:
     expected, made = LAWS[law]
     assert diagnosed(made()).verdict == [expected]
+
+
+def test_soft_limits_that_differ_a_little_leave_nothing() -> None:
+    found = diagnosed(joint(X) - knee(joint(X) - 2.3, 0.15) + knee(-2.15 - joint(X), 0.15))
+    assert found.verdict == ["torque_saturation"]
+    assert found.choice.features["in_sample_left"] < 0.2
 
 
 @pytest.mark.parametrize(("frequency", "verdict"), [(14.8, "unknown"), (20.0, "inertia")])

@@ -103,6 +103,13 @@ def test_an_offset_of_the_torque_is_not_blamed_on_one_of_the_deflection_that_the
     assert withheld.verdict == ["unknown"]
 
 
+def test_an_offset_that_by_chance_seems_to_settle_slowly_is_an_offset() -> None:
+    settling = 1.0 - 0.04 * np.exp(-TIME / (0.3 * TIME[-1]))
+    noise = 0.03 * np.random.default_rng(3).standard_normal(X.size)
+    found = diagnose(Signals(TIME, X, joint(X) + 0.3 * settling + noise, joint(X), [slice(0, X.size)], {}))
+    assert found.verdict == ["torque_offset"]
+
+
 def test_friction_of_constant_size_is_not_blamed_on_a_damper_that_saturates() -> None:
     speed = np.gradient(X, TIME)
     rubbing = joint(X) + 0.1 * np.tanh(speed / (0.5 * np.std(speed)))

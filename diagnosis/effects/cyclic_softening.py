@@ -163,10 +163,10 @@ class CyclicSoftening(Effect):
     confused_with: ClassVar[tuple[str, ...]] = ("thermal_drift", "torque_gain")
 
     def forms(self, scene: Scene) -> list[Form]:
-        total = float(scene.signals.travel.max())
-        lengths = [(t,) for t in geometric(0.04 * total, 1.5 * total, 7)]
-        # Softening that is over within a thirtieth of the recording could not be told from a gain.
-        limits = (0.03 * total, 3.0 * total)
+        shortest, total = scene.signals.shortest_and_longest(scene.signals.travel)
+        lengths = [(t,) for t in geometric(0.04 * shortest, 1.5 * total, 7)]
+        # Softening that is over within a thirtieth of every recording could not be told from a gain.
+        limits = (0.03 * shortest, 3.0 * total)
 
         def law(
             name: str,
@@ -222,20 +222,20 @@ class CyclicSoftening(Effect):
             ("losses", "loss_constant", _losses, (0.2, 0.8, 3.0)),
             ("swings", "swing_constant", _swings, (0.2, 0.8)),
         ):
-            total_used = float(used(scene).max())
-            if not found and (total_used <= 0.0 or (used is _losses and not _is_lossy(scene))):
+            least, most = scene.signals.shortest_and_longest(used(scene))
+            if not found and (most <= 0.0 or (used is _losses and not _is_lossy(scene))):
                 continue
             # Hardly begun, it is linear.
             made += law(f"by {word}", f"(1 - exp(-{word} / {constant}))", _exponential(used), constant,
-                        [(share * total_used,) for share in shares], (0.03 * total_used, 20.0 * total_used))  # fmt: skip
+                        [(share * most,) for share in shares], (0.03 * least, 20.0 * most))  # fmt: skip
         counts = {"reversals": _reversals}
         if found or float(scene.signals.turns.max()) > MORE * float(scene.signals.reversals.max()):
             counts["turns"] = _turns
         for count, used in counts.items():
-            turns = float(used(scene).max())
+            fewest, turns = scene.signals.shortest_and_longest(used(scene))
             if turns < FEWEST and not found:
                 continue
-            numbers, ends = [(share * turns,) for share in (0.1, 0.3, 1.0)], (0.03 * turns, 3.0 * turns)
+            numbers, ends = [(share * turns,) for share in (0.1, 0.3, 1.0)], (0.03 * fewest, 3.0 * turns)
             for name, equation, worn in (
                 (f"by {count}", f"(1 - exp(-{count} / reversals_constant))", _exponential(used)),
                 (f"logarithm of {count}", f"log(1 + {count} / reversals_constant)", _logarithm(used)),

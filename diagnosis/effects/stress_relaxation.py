@@ -185,6 +185,8 @@ class StressRelaxation(Effect):
         low = min(max(4.0 * s.interval, QUICK * pace), 0.2 * high)
         times = geometric(max(low, span / 1500.0), high, 10)
         limits = (low, 1.2 * high)
+        # That of a power-law dashpot is its time constant at the largest torque: at smaller ones it is slower.
+        creeping = (0.02 * low, 1.2 * high)
         # Nor may the slowest of three branches be one by itself.
         spread = (low, 0.3 * high)
 
@@ -225,7 +227,7 @@ class StressRelaxation(Effect):
         def yielding(name: str, part: Part, *simpler: str) -> Form:
             y = part.symbol
             return Form(
-                name, ("share",), _crept_away(part), (0.0,), (np.inf,), ("time_constant", "power"), (), [limits, (1.2, 4.0)],
+                name, ("share",), _crept_away(part), (0.0,), (np.inf,), ("time_constant", "power"), (), [creeping, (1.2, 4.0)],
                 simpler, lambda shape, _: (shape[0], 1.6), borders=[LOW, HIGH],
                 equation=f"y -= share * (rise({y}) - creep({y}, time_constant, power, {scene.signals.strongest:.8g}))",
             )  # fmt: skip
@@ -284,7 +286,7 @@ class StressRelaxation(Effect):
                  ("time_constant",), [(t,) for t in times if t < spread[1]], [spread], equation=told_three),
             # With a high power it is a slider.
             Form("power-law dashpot", ("stiffness",), _creeping, (0.0,), (np.inf,), ("time_constant", "power"),
-                 [(t, 2.0) for t in geometric(0.1 * low, high, 6)], [(0.02 * low, 1.2 * high), (1.2, 4.0)],
+                 [(t, 2.0) for t in geometric(0.1 * low, high, 6)], [creeping, (1.2, 4.0)],
                  borders=[LOW, HIGH],
                  equation=f"y += stiffness * creep(x, time_constant, power, {s.reach:.8g})"),
             yielding(dashpots[0], TORQUE, "from the torque down", risen[0]),

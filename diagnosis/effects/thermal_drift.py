@@ -166,10 +166,10 @@ class ThermalDrift(Effect):
 
     def forms(self, scene: Scene) -> list[Form]:
         s = scene.signals
-        span = float(s.elapsed.max())
-        constants = [(t,) for t in geometric(0.05 * span, 1.5 * span, 6)]
-        # Warming up that is over within a thirtieth of the recording could not be told from an offset or a gain.
-        limits = [(0.03 * span, 3.0 * span)]
+        shortest, span = s.shortest_and_longest(s.elapsed)
+        constants = [(t,) for t in geometric(0.05 * shortest, 1.5 * span, 6)]
+        # Warming up that is over within a thirtieth of every recording could not be told from an offset or a gain.
+        limits = [(0.03 * shortest, 3.0 * span)]
         zero, stiffness = ("zero_drift",), ("stiffness_drift",)
         # Spring and grease warm up together, but not alike.
         each, both = ("spring_drift", "friction_drift"), (PARTS["the spring"].of, PARTS["the friction"].of)
@@ -177,7 +177,11 @@ class ThermalDrift(Effect):
         warming = ("time_constant",), constants, limits
         heating = ("time_constant",), constants[1::2], limits
         # What heats all the time and has soon settled would be an offset.
-        slowly = ("time_constant",), [(t,) for t in geometric(0.2 * span, 1.2 * span, 3)], [(0.12 * span, 3.0 * span)]
+        slowly = (
+            ("time_constant",),
+            [(t,) for t in geometric(0.2 * shortest, 1.2 * span, 3)],
+            [(0.12 * shortest, 3.0 * span)],
+        )
         heated = _form("stiffness, self-heating", f"stiffness_drift * {HEATED} * y", stiffness,
                        times(_self_heating, _torque), *heating)  # fmt: skip
         steadily = _form("stiffness, linear", "stiffness_drift * t * y", stiffness, times(_warming, _torque))

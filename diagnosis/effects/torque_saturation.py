@@ -104,6 +104,7 @@ class TorqueSaturation(Effect):
             Form("soft, unequal limits", unit[0], _soft_unequal, unit[1], unit[2], ("limit", "limit_below", "sharpness"),
                  [(a * top, b * top, 8.0) for f in (0.6, 0.8, 0.95, 1.15) for a, b in ((f, 3.0), (3.0, f))],
                  [(0.3 * top, 6.0 * top), (0.3 * top, 6.0 * top), (1.5, 40.0)],
+                 ("hard, unequal limits",), lambda shape, _: (*shape, 16.0),
                  equation="y = y / (1 + abs(y / where(y > 0, limit, limit_below))**sharpness)**(1 / sharpness)"),
             Form("hard, of the spring", unit[0], _spring_hard, unit[1], unit[2], ("limit",), grid, [within],
                  equation="y += clip(y_spring, -limit, limit) - y_spring"),

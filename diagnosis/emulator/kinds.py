@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..operators.masses import sliding
-from ..operators.memory import dashed, hardening, leaky, pressed
+from ..operators.memory import dashed, hardening, held_inside, leaky, pressed
 from ..operators.smooth_loops import pinched, smooth
 from .motion import Extent, Motion
 from .single_elements import (
@@ -303,6 +303,17 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         limits=lambda extent: extent.dashed * [
             [0.004, 1.0, 0.3, 0.5, 0.01, 1e-3], [3.0, 8.0, 3.0, 1000.0, 100.0, 10.0],
         ],
+    ),
+    # Harmonic drives, and springs before a gear: what rubs inside is compliant on both sides.
+    "a few springs held by friction": Kind(
+        MEMORY, True,
+        lambda extent: extent.drive * _with(
+            np.array([0.03, 0.12]), *itertools.product((0.01,), (1.5,), (0.01, 0.1), (0.1, 1.0))
+        ),
+        _timed(held_inside),
+        {1: (0.0, np.inf)},
+        timed=True,
+        limits=lambda extent: extent.drive * [[0.003, 0.001, 0.05, 0.001, 0.003], [2.0, 0.2, 20.0, 2.0, 10.0]],
     ),
     # Metal that yields: its back stresses recall themselves.
     "a few hardening sliders": Kind(

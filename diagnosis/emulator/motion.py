@@ -158,6 +158,11 @@ class Extent:
         return np.array([self.reach, 1.0, 1.0, self.interval, self.interval, 1.0])
 
     @property
+    def drive(self) -> Floats:
+        """The same of a spring that is held inside a drive: rad, rad, 1, s, 1/rad²; shape (5,)."""
+        return np.array([self.reach, self.reach, 1.0, self.reach / self.fast, 1.0 / self.reach**2])
+
+    @property
     def metal(self) -> Floats:
         """The same of a slider that hardens: rad, 1, rad, 1, rad, 1, rad; shape (7,)."""
         return np.array([self.reach, 1.0, self.reach, 1.0, self.reach, 1.0, self.reach])

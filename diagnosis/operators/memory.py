@@ -12,6 +12,7 @@ __all__ = [
     "dashed",
     "enveloped",
     "hardening",
+    "held_inside",
     "hyperbolic",
     "lagged",
     "leaky",
@@ -26,6 +27,8 @@ SAME_STEP = 1e-9
 """Relative difference of two intervals that is only rounding of the times."""
 SMOOTH = 0.4
 """Longest step along a smooth loop behind a dashpot, in its own lengths over its steepness."""
+INNER = 1
+"""Steps between two samples of what is held inside a drive."""
 NEWTON = 30
 """Steps at most to where metal yields again."""
 STABLE, DASHED = 0.3, 60
@@ -171,6 +174,43 @@ def _dashed(time, x, length, exponent, share, after, beside, stiffness, out):
             q = min(max(q + h * a2, -1.0), 1.0)
             stretch += h * b2
         out[i] = after * (length * q + beside * speed + stiffness * stretch) / (beside + after)
+
+
+@njit(cache=True)
+def _inner_step(f, place, z, dt, friction, creep, after, damping, hardening):
+    # How far the inner side moves in a step until its friction, dashpot and spring hold the outer spring: implicit.
+    pull = f + hardening * f * f * f - after * place - friction * z
+    way = 1.0 if pull > 0.0 else -1.0
+    moved = 0.0
+    drag = damping / dt if dt > 0.0 else 0.0
+    for _ in range(NEWTON):
+        left = f - moved
+        decay = (z - way) * np.exp(-abs(moved) / creep)
+        over = left + hardening * left * left * left - after * (place + moved) - drag * moved - friction * (way + decay)
+        steep = 1.0 + 3.0 * hardening * left * left + after + drag - friction * way * decay / creep
+        further = moved + over / steep
+        further = max(further, 0.0) if way > 0.0 else min(further, 0.0)
+        near = abs(further - moved) < 1e-6 * creep
+        moved = further
+        if near:
+            break
+    return moved
+
+
+@njit(cache=True)
+def _held_inside(time, x, friction, creep, after, damping, hardening, out):
+    place, z = 0.0, 0.0
+    out[0] = 0.0
+    for i in range(1, x.size):
+        h = (time[i] - time[i - 1]) / INNER
+        for k in range(1, INNER + 1):
+            f = x[i - 1] + (x[i] - x[i - 1]) * k / INNER - place
+            moved = _inner_step(f, place, z, h, friction, creep, after, damping, hardening)
+            way = 1.0 if moved > 0.0 else -1.0
+            z = way + (z - way) * np.exp(-abs(moved) / creep)
+            place += moved
+        f = x[i] - place
+        out[i] = f + hardening * f * f * f
 
 
 @njit(cache=True)
@@ -329,6 +369,21 @@ def hardening(
     out = np.empty(x.size)
     back = float(ratio), float(recall), float(slow_ratio), float(slow_recall)
     _hardening(np.ascontiguousarray(x), float(length), *back, float(growth), float(settling), out)
+    return out
+
+
+def held_inside(
+    time: Floats, x: Floats, friction: float, creep: float, after: float, damping: float, hardening: float
+) -> Floats:
+    """Torque of a hardening spring, of unit stiffness at rest, that what is inside a drive holds, over ``x`` (n,) from rest.
+
+    Inside are friction of the size ``friction``, rad, that builds up over the way ``creep``, rad, a spring of the stiffness
+    ``after`` and a dashpot, ``damping``, s; ``hardening`` is the spring's, 1/rad². Shape (n,). Where no time passes it is
+    dragged along slowly (a harmonic drive: Taghirad and Bélanger, J. Dyn. Sys. Meas. Control 120, 1998, 444-450).
+    """
+    out = np.empty(x.size)
+    inside = float(friction), float(creep), float(after), float(damping), float(hardening)
+    _held_inside(np.ascontiguousarray(time), np.ascontiguousarray(x), *inside, out)
     return out
 
 

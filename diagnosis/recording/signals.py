@@ -357,6 +357,11 @@ class Signals:
         """Time since the recording began, s."""
         return self.per_run(lambda run: self.time[run] - self.time[run][0])
 
+    def shortest_and_longest(self, grown: Floats) -> tuple[float, float]:
+        """How far what grows from zero in each recording, shape (n,), comes where it comes least far, if it grows, and farthest."""
+        ends = [float(grown[run].max()) for run in self.runs]
+        return min((end for end in ends if end > 0.0), default=0.0), max(ends)
+
 
 def _deviation(series: Floats, recorded: Floats) -> float:
     """Standard deviation of a deflection's sensor noise, rad, of samples at even times: of counts at least what counting makes.

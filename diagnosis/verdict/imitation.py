@@ -17,6 +17,8 @@ from ..hypotheses.refinement import refine
 __all__ = ["Image", "imaged_by", "imitations", "within_range", "without_image"]
 
 Floats = NDArray[np.float64]
+AS_GOOD = 3.0
+"""Logarithm of the odds up to which a law within its range is as good as one that has run to the end of it."""
 STARTS, MOST = 3, 3000
 """Choices of laws and starting shapes, in place of those at the end of their range, that are refined, and that are compared."""
 
@@ -55,7 +57,7 @@ def imitations(
 
 def within_range(evidence: Evidence, hypothesis: Hypothesis, found: Sequence[Hypothesis]) -> list[Hypothesis]:
     """The same effects by other laws in place of those at the end of their range, and with what these may be the image of
-    beside them; those that do no worse.
+    beside them; those that do no worse to speak of.
 
     A set that leaves nothing was tried with few laws, and with no further effect.
     """
@@ -63,7 +65,7 @@ def within_range(evidence: Evidence, hypothesis: Hypothesis, found: Sequence[Hyp
     alone = [h.terms[0] for h in found if len(h.names) == 1 and h.names <= others]
     laws = [_starts(evidence, term) if term.is_an_image else [term] for term in hypothesis.terms]
     made = (_best_of(evidence, [*laws, *beside]) for beside in ([], *([_starts(evidence, term)] for term in alone)))
-    return [h for h in made if h is not None and h.score >= hypothesis.score]
+    return [h for h in made if h is not None and h.score >= hypothesis.score - AS_GOOD]
 
 
 def _starts(evidence: Evidence, term: Term) -> list[Term]:

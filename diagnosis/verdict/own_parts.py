@@ -30,7 +30,7 @@ MOST = 0.15
 """The same as a share of what the effect brings, which may be little."""
 THE_SAME = 1.0
 """Logarithm of the odds up to which a factor on the spring alone is one on the whole torque: friction would tell them apart. On 18
-strangers' joints with a gain the least was 7."""
+strangers' joints with a gain the least was 7. Beside an emulator that is exact, and as exact as it is found to be."""
 NEEDED = 0.1
 """Evidence a sample by which an effect must be better than what is said instead of it, to be there all the same: an emulator that
 is not exact may leave so much that a part does no worse than the effect beside it. Of 13 parts that were off none lost above 0.02."""
@@ -41,7 +41,15 @@ def rather_own_parts(evidence: Evidence, best: Hypothesis) -> Hypothesis:
     if evidence.fitted or not best.terms or is_refitted(best.scale):
         return best
     strictly = evidence.fit(best.terms, (EXACT,))
-    own = {name for name in best.names if _is_own_part(evidence, strictly, name)}
+    as_emulated = evidence.fit(best.terms, (best.scale,))
+
+    def is_own(name: str) -> bool:
+        if name in STANDS_IN:
+            # By chance an emulator's errors look like what a factor makes of friction, or like its opposite.
+            return all(_is_own_stiffness(evidence, fitted, name) for fitted in (strictly, as_emulated))
+        return _is_own_part(evidence, strictly, name)
+
+    own = {name for name in best.names if is_own(name)}
     if not own:
         return best
     others = tuple(term for term in best.terms if term.effect.id not in own)
@@ -52,20 +60,28 @@ def rather_own_parts(evidence: Evidence, best: Hypothesis) -> Hypothesis:
 
 def _is_own_part(evidence: Evidence, strictly: Hypothesis, name: str) -> bool:
     """Whether one parameter of the simulator that is off by a few per cent does as well as an effect beside the others."""
-    rows = evidence.rows
-    left = evidence.gap - (strictly.signal - strictly.part(name))[rows]
-    is_gain = name in STANDS_IN
-    parts = evidence.scene.spring[rows, None] if is_gain else evidence.scene.emulator.parts[rows]
-    energy = np.einsum("ij,ij->j", parts, parts)
-    error = np.divide(parts.T @ left, energy, out=np.full(energy.size, np.inf), where=energy > 0.0)
-    few = np.abs(error) < FEW_PER_CENT
-    if not np.any(few):
-        return False
-    rss = float(left @ left) - float(np.max(error[few] ** 2 * energy[few]))
-    free = count_unknowns([term for term in strictly.terms if term.effect.id != name])
-    of_part, without = (
-        float(evidence.score(np.array([left_over]), (EXACT,), unknowns)[0])
-        for left_over, unknowns in ((rss, free + 1), (float(left @ left), free))
-    )
-    least = THE_SAME if is_gain else min(AS_GOOD * evidence.effective, MOST * (strictly.score - without))
+    of_part, without = _instead(evidence, strictly, name, evidence.scene.emulator.parts)
+    least = min(AS_GOOD * evidence.effective, MOST * (strictly.score - without))
     return of_part > strictly.score - least
+
+
+def _is_own_stiffness(evidence: Evidence, hypothesis: Hypothesis, name: str) -> bool:
+    """Whether a stiffness that is off by a few per cent does as well as a factor on the torque beside the other effects."""
+    of_part, _ = _instead(evidence, hypothesis, name, evidence.scene.spring[:, None])
+    return of_part > hypothesis.score - THE_SAME
+
+
+def _instead(evidence: Evidence, hypothesis: Hypothesis, name: str, parts: Floats) -> tuple[float, float]:
+    """Logarithm of the evidence with the best of ``parts`` (n, k), off by a few per cent, in place of an effect, and with none."""
+    rows, scale = evidence.rows, hypothesis.scale
+    left = evidence.whitened(evidence.gap - (hypothesis.signal - hypothesis.part(name))[rows], scale)
+    own = evidence.whitened(parts[rows], scale)
+    energy = np.einsum("ij,ij->j", own, own)
+    error = np.divide(own.T @ left, energy, out=np.full(energy.size, np.inf), where=energy > 0.0)
+    few = np.abs(error) < FEW_PER_CENT
+    unknowns = count_unknowns([term for term in hypothesis.terms if term.effect.id != name])
+
+    def score(taken: float, more: int) -> float:
+        return float(evidence.score(np.array([float(left @ left) - taken]), (scale,), unknowns + more)[0])
+
+    return score(float(np.max(error[few] ** 2 * energy[few])), 1) if np.any(few) else -np.inf, score(0.0, 0)

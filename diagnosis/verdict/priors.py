@@ -22,7 +22,9 @@ patched by one more, however sure the improvement."""
 BESIDE_OFF = 0.012
 """Evidence a sample that one effect must bring beside a simulator that may be off by a tenth to be more than its misfit."""
 COINCIDENCE = 200.0
-"""Logarithm of the odds against effects of 2.5 times the gap; it grows as the square beyond 1.25."""
+"""Logarithm of the odds against effects, together or one of them, of 2.5 times the gap; it grows as the square beyond 1.25.
+
+Of 360 right pairs on strangers' joints no effect made more than 1.4 times the gap, of 50 wrong ones a sixth did."""
 STANDS_IN = (GAIN,)
 STAND_IN, STAND_IN_COMPANY = 7.0, 9.0
 """Logarithm of the odds against these where the loop's fine structure is off too: then the simulator is to blame."""
@@ -47,5 +49,6 @@ def prior(evidence: Evidence, hypothesis: Hypothesis, gap: float) -> float:
         alone = len(hypothesis.terms) == 1
         cost += STAND_IN * (hypothesis.scale[0] >= (FINE if alone else 0.5 * FINE)) + STAND_IN_COMPANY * (not alone)
     # Effects and errors of the simulator that are each larger than the gap and cancel would be a coincidence.
-    size = rms(hypothesis.signal) / gap
+    made = [hypothesis.signal, *(hypothesis.part(name) for name in hypothesis.names if len(hypothesis.names) > 1)]
+    size = max(map(rms, made)) / gap
     return -cost - COINCIDENCE * max(size / 1.25 - 1.0, 0.0) ** 2
