@@ -29,6 +29,8 @@ beside an exact one."""
 SECOND = 0.003
 """Evidence a sample that a second effect beside an exact simulator must bring beyond the errors of one that is off: 0.0031 at least
 where it was there, of 200 pairs of strangers, and 0.0026 at most where it was not, but for 3 of 300 simulators that were off."""
+EQUAL = 0.5
+"""Logarithm of the odds up to which two sizes of the errors are as good: fine structure may matter for neither."""
 CLEARLY_WORSE = 0.004
 """Evidence a sample by which smaller errors must do worse than errors of a tenth for these to be needed."""
 FAR, AS_GOOD = 3.0, 0.004
@@ -125,7 +127,11 @@ class OwnErrors:
     def are_smaller_beside(self, hypothesis: Hypothesis) -> bool:
         """Whether the simulator is nearer to right beside an effect; else the effect only patches what its errors leave."""
         blank = self.blank.scale
-        return hypothesis.scale != blank and all(a <= b for a, b in zip(hypothesis.scale, blank, strict=True))
+        return any(
+            scale != blank and all(a <= b for a, b in zip(scale, blank, strict=True))
+            for scale, score in hypothesis.by_scale.items()
+            if score > hypothesis.score - EQUAL
+        )
 
     def spared(self, ranked: Sequence[Hypothesis]) -> Hypothesis | None:
         """The effect that does best beside the usual errors, beside these, where it spares the simulator larger ones."""
