@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from development import developed
-from hardening_joint import rich_motion, signals_of
+from hardening_joint import rich_motion, signals_of, spring
 from joints import sliders
 from motions import swelling
 from numpy.typing import NDArray
@@ -14,7 +14,12 @@ from hystbench.diagnosis.blind.cases import DEVELOPMENT_PLANTS
 from hystbench.diagnosis.blind.plant import Case
 from hystbench.diagnosis.blind.plants import make
 from hystbench.diagnosis.diagnosis import diagnose
+from hystbench.diagnosis.effects.deflection_offset import DeflectionOffset
+from hystbench.diagnosis.effects.torque_offset import TorqueOffset
+from hystbench.diagnosis.hypotheses.evidence import Term
+from hystbench.diagnosis.recording.noise import rms
 from hystbench.diagnosis.recording.signals import Signals
+from hystbench.diagnosis.verdict.priors import prior
 
 Floats = NDArray[np.float64]
 
@@ -146,3 +151,22 @@ def test_a_pedal_that_is_pressed_one_way_has_a_gain_and_no_stiffer_side(factor: 
     rubs = 0.25 * np.tanh(np.gradient(pressed, time) / 0.02)
     found = diagnose(signals_of(time, pressed, factor * y_sim + rubs, y_sim, noise_level=0.03))
     assert set(found.verdict) == {"torque_gain", "coulomb_friction"}
+
+
+def test_effects_far_larger_than_the_gap_that_cancel_are_the_less_likely() -> None:
+    time, x = rich_motion()
+    y_sim = spring(x)
+    evidence = diagnose(signals_of(time, x, spring(x + 0.06) - 0.25, y_sim)).evidence
+    shapes = {"constant": (), "positive": (0.06,)}
+    terms = [
+        Term(effect, form, shapes[form.name])
+        for effect in (TorqueOffset(), DeflectionOffset())
+        for form in effect.forms(evidence.scene)
+        if form.name in shapes
+    ]
+    both = evidence.fit(terms)
+    sizes = [rms(both.part(name)) for name in both.names]
+    gap = rms(both.signal)
+    assert len(sizes) == 2
+    assert min(sizes) > 2.0 * gap
+    assert prior(evidence, both, max(sizes)) - prior(evidence, both, gap) > 50.0

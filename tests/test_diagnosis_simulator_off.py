@@ -136,3 +136,15 @@ def test_an_effect_is_named_though_the_simulators_errors_hide_a_part_of_it() -> 
     found = diagnose(signals_of(time, x, y_real, y_sim))
     assert found.verdict == ["stress_relaxation", "miscalibration"]
     assert found.closed_in_all > 0.9
+
+
+def test_an_offset_beside_a_weight_that_is_off_needs_no_larger_errors_of_fine_structure() -> None:
+    """Which have no say there, so that it was chance how large they were said to be."""
+    time, x = rich_motion()
+
+    def arm(weight: float, stiffness: float, friction: float, level: float) -> Floats:
+        return weight * np.sin(x + 0.4) + stiffness * x + sliders(x, ((friction, level),)) + 0.1 * np.gradient(x, time)
+
+    y_sim, y_real = arm(4.5, 3.0, 5.0, 0.12), arm(4.64, 2.86, 4.77, 0.1153) + 0.378
+    found = diagnose(signals_of(time, x, y_real, y_sim, seed=7, noise_level=0.378 / 4.0))
+    assert "torque_offset" in found.verdict
