@@ -35,6 +35,8 @@ SWING = 0.08
 """Part of the reach that a turn must swing back to be one."""
 LEAST_SWING = 0.01
 """The same where small turns count as well."""
+ENOUGH_STROKES = 30.0
+"""Way of a recording, over half the range of the deflection, of which a thirtieth is a stroke."""
 KNOCK, KNOCK_SAMPLES, MOST_KNOCKS = 6.0, 4, 0.35
 """How far a knock leaves the running median (noise levels), how long it lasts at most, and the most of a recording."""
 CERTAIN = 2.5
@@ -358,9 +360,15 @@ class Signals:
         return self.per_run(lambda run: self.time[run] - self.time[run][0])
 
     def shortest_and_longest(self, grown: Floats) -> tuple[float, float]:
-        """How far what grows from zero in each recording, shape (n,), comes where it comes least far, if it grows, and farthest."""
+        """How far what grows from zero in each recording, shape (n,), comes where it comes least far, if it grows, and farthest.
+
+        What is so short that a thirtieth of it is less than a stroke tells no more than one where that is a stroke.
+        """
         ends = [float(grown[run].max()) for run in self.runs]
-        return min((end for end in ends if end > 0.0), default=0.0), max(ends)
+        longest = max(ends)
+        strokes = float(self.travel.max()) / max(self.reach, 1e-300)
+        enough = longest * ENOUGH_STROKES / max(strokes, ENOUGH_STROKES)
+        return max(min((end for end in ends if end > 0.0), default=0.0), enough), longest
 
 
 def _deviation(series: Floats, recorded: Floats) -> float:
