@@ -27,10 +27,8 @@ SAME_STEP = 1e-9
 """Relative difference of two intervals that is only rounding of the times."""
 SMOOTH = 0.4
 """Longest step along a smooth loop behind a dashpot, in its own lengths over its steepness."""
-INNER = 1
-"""Steps between two samples of what is held inside a drive."""
 NEWTON = 30
-"""Steps at most to where metal yields again."""
+"""Steps at most to where metal yields again, or to where what is inside a drive holds."""
 STABLE, DASHED = 0.3, 60
 """Longest step of what creeps through a dashpot, over its time constant, and steps at most between two samples."""
 
@@ -202,13 +200,11 @@ def _held_inside(time, x, friction, creep, after, damping, hardening, out):
     place, z = 0.0, 0.0
     out[0] = 0.0
     for i in range(1, x.size):
-        h = (time[i] - time[i - 1]) / INNER
-        for k in range(1, INNER + 1):
-            f = x[i - 1] + (x[i] - x[i - 1]) * k / INNER - place
-            moved = _inner_step(f, place, z, h, friction, creep, after, damping, hardening)
-            way = 1.0 if moved > 0.0 else -1.0
-            z = way + (z - way) * np.exp(-abs(moved) / creep)
-            place += moved
+        dt = time[i] - time[i - 1]
+        moved = _inner_step(x[i] - place, place, z, dt, friction, creep, after, damping, hardening)
+        way = 1.0 if moved > 0.0 else -1.0
+        z = way + (z - way) * np.exp(-abs(moved) / creep)
+        place += moved
         f = x[i] - place
         out[i] = f + hardening * f * f * f
 
@@ -379,7 +375,7 @@ def held_inside(
 
     Inside are friction of the size ``friction``, rad, that builds up over the way ``creep``, rad, a spring of the stiffness
     ``after`` and a dashpot, ``damping``, s; ``hardening`` is the spring's, 1/rad². Shape (n,). Where no time passes it is
-    dragged along slowly (a harmonic drive: Taghirad and Bélanger, J. Dyn. Sys. Meas. Control 120, 1998, 444-450).
+    dragged along slowly (a harmonic drive: Tuttle and Seering, IEEE Trans. Robotics and Automation 12, 1996, 368-374).
     """
     out = np.empty(x.size)
     inside = float(friction), float(creep), float(after), float(damping), float(hardening)
