@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from hystbench.diagnosis.blind.cases import DEVELOPMENT_PLANTS
 from hystbench.diagnosis.diagnosis import diagnose
+from hystbench.diagnosis.effects.encoder_eccentricity import EncoderEccentricity
 from hystbench.diagnosis.effects.stribeck_friction import StribeckFriction
 from hystbench.diagnosis.emulator.emulation import SimulatorScene
 from hystbench.diagnosis.operators.levels import yielding
@@ -86,6 +87,17 @@ def test_a_stiffness_that_differs_by_side_is_not_blamed_on_an_encoder(stiffer: F
     why = "encoder eccentricity would explain it, but on this joint stiffness asymmetry, which is not considered here"
     assert any(note.startswith(why) for note in withheld.notes)
     assert diagnosed(joint(X) + stiffer).verdict == ["stiffness_asymmetry"]
+
+
+@pytest.mark.parametrize(
+    ("error", "one_sided"),
+    [(X, True), (np.maximum(X, 0.0), True), (1.0 - np.cos(2.0 * np.pi * X), False)],
+    ids=["the more the farther", "the more the farther above", "two waves"],
+)
+def test_nor_is_one_that_differs_the_more_the_farther(error: Floats, one_sided: bool) -> None:
+    scene = SimulatorScene(Signals(TIME, X, joint(X), joint(X), [slice(0, X.size)], {}))
+    others = EncoderEccentricity().imitates(0.05 * error * spring(X), scene)
+    assert others == (("stiffness_asymmetry",) if one_sided else ())
 
 
 def test_a_shift_of_the_spring_is_not_blamed_on_an_offset_of_the_torque_and_its_limit() -> None:

@@ -38,13 +38,14 @@ def is_constant_friction(signal: Floats, scene: Scene) -> bool:
 
 ONE_SIDED = 0.965
 """Share of the energy of what is added that a spring which differs by side would make, from which it is no less that; of 150
-offsets, errors and stops of the deflection it was 0.962 at most."""
+offsets, errors and stops of the deflection it was 0.962 at most for one that differs by side alone."""
 
 
 def is_one_sided_stiffness(signal: Floats, scene: Scene) -> bool:
     """Whether what is added, ``signal`` (n,), N·m, is hardly anything but more stiffness on one side, or less on the other."""
     x = scene.signals.smooth_x
-    sides = (x > 0.0, x < 0.0, np.sign(x))
+    # More of it from zero on, or the more the farther.
+    sides = (x > 0.0, x < 0.0, np.sign(x), np.maximum(x, 0.0), np.maximum(-x, 0.0), x)
     return any(
         share_made(signal, part * side) > ONE_SIDED for part in (x, scene.spring, scene.torque) for side in sides
     )
