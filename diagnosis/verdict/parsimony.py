@@ -100,7 +100,7 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
                     options.append((loss, other))
         if options:
             best, changed = min(options, key=lambda option: option[0])[1], True
-    if best is top or evidence.fitted:
+    if best is top:
         return best
     # What little was left out may be the simulator's: the rest is judged beside the simulator that suits it.
     own = by_names[best.names]
