@@ -37,7 +37,7 @@ NUMPYS = {
 def scene() -> SimulatorScene:
     """A hardening spring with sliders, slow enough for its samples that ways of integrating hardly differ."""
     time = np.arange(4000) * 0.005
-    x = 0.8 * np.sin(2 * np.pi * 0.31 * time) + 0.25 * np.sin(2 * np.pi * 0.83 * time)
+    x = 1.1 * np.sin(2 * np.pi * 0.31 * time) + 0.35 * np.sin(2 * np.pi * 0.83 * time)
     x *= 1.0 - np.exp(-time)
     y = 4.0 * x + 0.9 * x**3 + sliders(x, ((5.0, 0.15), (1.0, 0.3)))
     channels = {"motor_temperature": 20.0 + 3.0 * np.sin(0.1 * time), "clamp_force": 5.0 + np.cos(0.7 * time)}

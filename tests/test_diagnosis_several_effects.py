@@ -94,6 +94,43 @@ def test_a_slow_error_of_an_encoder_and_an_offset_are_told_from_a_slower_error(s
     assert set(found.verdict) == {"encoder_eccentricity", "deflection_offset"}
 
 
+@pytest.mark.parametrize("phase", [2.0, 2.8])
+def test_an_offset_beside_an_error_that_comes_once_a_turn_of_half_a_turn_is_told(phase: float) -> None:
+    """With as many waves as suit it the error makes the offset as well, at the end of its range."""
+    time, turned = swelling()
+    turned = 1.75 / np.max(np.abs(turned)) * turned
+
+    def joint(x: Floats) -> Floats:
+        return 4.0 * x + 3.0 * np.tanh(2.0 * x) + sliders(x, ((6.0, 0.12), (2.0, 0.15), (0.8, 0.16)))
+
+    read = turned + _once_a_turn(turned, phase)
+    noise = 0.008 * float(np.std(joint(read)))
+    found = diagnose(signals_of(time, read, joint(turned) + 4.5 * noise, joint(read), 1, noise))
+    assert set(found.verdict) == {"encoder_eccentricity", "torque_offset"}
+
+
+@pytest.mark.parametrize("stroke", [1.5, 1.7])
+def test_an_error_that_comes_once_a_turn_is_told_on_half_a_turn(stroke: float) -> None:
+    time, turned = swelling()
+    turned = stroke / np.max(np.abs(turned)) * turned
+
+    def joint(x: Floats, stiffer: float = 1.0) -> Floats:
+        friction = sliders(x, ((6.0, 0.12), (2.0, 0.15), (0.8, 0.16)))
+        return stiffer * (4.0 * x + 0.5 * x**3) + friction / stiffer
+
+    read = turned + _once_a_turn(turned, 0.4)
+    simulated = joint(read, 1.0 if stroke < 1.6 else 1.04)
+    found = diagnose(signals_of(time, read, joint(turned), simulated, 1, 0.006 * float(np.std(simulated))))
+    assert [name for name in found.verdict if name != "miscalibration"] == ["encoder_eccentricity"]
+    assert "once a turn" in found.effects[0].law
+    assert "periods" not in found.effects[0].parameters
+
+
+def _once_a_turn(angle: Floats, phase: float) -> Floats:
+    """Error of an eccentric ring at a true angle, rad, and a second harmonic, shape (n,); zero at home."""
+    return np.asarray(0.1 * (np.sin(angle + phase) - np.sin(phase)) + 0.015 * (np.sin(2.0 * angle + 1.0) - np.sin(1.0)))
+
+
 def test_a_law_that_was_chosen_beside_what_is_dropped_is_chosen_again() -> None:
     """An encoder error whose mean a torque offset hid needed an offset of the deflection besides."""
     case, found = developed(13055, "slip", "bouc-wen", "varied")

@@ -67,8 +67,13 @@ def test_a_second_effect_is_not_named_for_what_the_first_ones_law_hardly_misses(
 
 @pytest.mark.parametrize(
     ("factor", "size", "second", "both"),
-    [(0.2, 1.0, X * STOP, True), (0.05, 0.1, np.abs(X) * X, False)],
-    ids=["better", "hardly better"],
+    [
+        (0.2, 1.0, X * STOP, True),
+        (0.05, 0.1, np.abs(X) * X, False),
+        (0.03, 0.3, np.abs(X) * X, True),
+        (0.03, 0.05, np.abs(X) * X, False),
+    ],
+    ids=["better", "hardly better", "hardly better, but simple", "simple, but one of them is little"],
 )
 def test_two_effects_come_before_a_simulator_that_is_off_where_it_does_not_do_nearly_as_well(
     factor: float, size: float, second: np.ndarray, both: bool

@@ -17,6 +17,9 @@ MOSTLY_OFFSET = 5.0
 """Mean of the error over its deviation, from which it is no eccentricity."""
 SMALL = 1e-3
 """Error over the reach at which the answer of the simulator is linear in it."""
+ONCE = (0.4, 0.65)
+"""Waves within the stroke of an error that comes once a turn at which it is looked for as such: of longer ones little is seen, and
+shorter ones need not be known to come once."""
 ZEROED, SETTLED = "zero at home", "friction settled at home"
 """What is zero at home: the encoder's error, or only the friction, which has settled there."""
 
@@ -54,9 +57,11 @@ def _shift(scene: Scene, home: str) -> Floats | float:
     return shift + scene.spring_change(x + small) / small if home == SETTLED else shift
 
 
-def _columns(harmonics: int, home: str = "") -> Columns:
+def _columns(harmonics: int, home: str = "", periods: float | None = None) -> Columns:
+    """Of so many ``periods`` a turn, or of as many as the shape says."""
+
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        made = np.hstack([_waves(scene, k * shape[0]) for k in range(1, harmonics + 1)])
+        made = np.hstack([_waves(scene, k * (periods or shape[0])) for k in range(1, harmonics + 1)])
         made[:, 1::2] += np.reshape(_shift(scene, home), (-1, 1))
         return made
 
@@ -68,9 +73,11 @@ def _of_spring(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return _by_waves(scene.spring_change, scene, shape[0])
 
 
-def _of_true_angle(home: str = "") -> Columns:
+def _of_true_angle(home: str = "", known: float | None = None) -> Columns:
+    """The same of the true angle: so many periods are known, or the first of the shape are they."""
+
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        periods, sizes = shape[0], shape[1:]
+        periods, sizes = (known, shape) if known else (shape[0], shape[1:])
         x = scene.signals.x
         true = x
         at_home = sum(sizes[1::2]) if home else 0.0
@@ -86,13 +93,13 @@ def _of_true_angle(home: str = "") -> Columns:
     return columns
 
 
-def _equation(harmonics: int, home: str, of: str = "x") -> str:
-    """The equation of a periodic error of the measured angle x or of the true one, z."""
+def _equation(harmonics: int, home: str, of: str = "x", periods: str = "periods * ") -> str:
+    """The equation of a periodic error of the measured angle x or of the true one, z, of which so many ``periods *`` are taken."""
 
     def wave(number: str, times: str) -> str:
-        cosine = f"cos({times}periods * {of})"
+        cosine = f"cos({times}{periods}{of})"
         cosine = f"({cosine} - 1)" if home else cosine
-        return f"error_sin{number} * sin({times}periods * {of}) + error_cos{number} * {cosine}"
+        return f"error_sin{number} * sin({times}{periods}{of}) + error_cos{number} * {cosine}"
 
     waves = [wave("", ""), wave("_2", "2 * ")][:harmonics]
     equation = f"x = x + {' + '.join(waves)}" if of == "x" else f"x = z,  z = x + {' + '.join(waves)}"
@@ -124,7 +131,7 @@ class EncoderEccentricity(Effect):
         Parameter("error_cos", "rad", -np.inf, np.inf, "q, cosine part"),
         Parameter("error_sin_2", "rad", -np.inf, np.inf, "p2, sine part of its second harmonic"),
         Parameter("error_cos_2", "rad", -np.inf, np.inf, "q2, cosine part of it"),
-        Parameter("periods", "1/rad·2π", 0.0, np.inf, "N, periods a turn"),
+        Parameter("periods", "1/rad·2π", 0.0, np.inf, "N, periods a turn; one where the error comes once a turn"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("deflection_offset", "torque_gain", "miscalibration")
     # A wave longer than the stroke is hardly more than its mean.
@@ -135,7 +142,9 @@ class EncoderEccentricity(Effect):
 
     def is_degenerate(self, parameters: dict[str, float], scene: Scene) -> bool:
         # Harmonics that cancel but for their mean are an offset of the deflection.
-        error, _ = _error([parameters.get(name, 0.0) for name in SIZES], parameters["periods"] * scene.signals.x)
+        error, _ = _error(
+            [parameters.get(name, 0.0) for name in SIZES], parameters.get("periods", 1.0) * scene.signals.x
+        )
         return abs(float(np.mean(error))) > MOSTLY_OFFSET * float(np.std(error))
 
     def forms(self, scene: Scene) -> list[Form]:
@@ -163,6 +172,14 @@ class EncoderEccentricity(Effect):
                 Form(f"two harmonics{told}", SIZES, _columns(2, home), (-wide,) * 4, (wide,) * 4, ("periods",), (), [span],
                      (sine,), borders=[LOW], equation=_equation(2, home)),
             ]  # fmt: skip
+            if ONCE[0] < reach / np.pi < ONCE[1]:
+                once = f"once a turn{told}"
+                made += [
+                    Form(once, SIZES[:2], _columns(1, home, 1.0), *small, equation=_equation(1, home, "x", "")),
+                    Form(f"once a turn of the true angle, two harmonics{told}", unit[0], _of_true_angle(home, 1.0), *unit[1:],
+                         SIZES, (), [size] * 4, (once,), lambda shape, sizes: (float(sizes[0]), float(sizes[1]), 0.0, 0.0),
+                         equation=_equation(2, home, "z", "")),
+                ]  # fmt: skip
         made.append(
             Form("sine, of the spring", SIZES[:2], _of_spring, *small, ("periods",), (), [span], ("sine",), borders=[LOW],
                  equation=f"{_equation(1, '')}, in the elastic part alone")

@@ -222,11 +222,11 @@ def search(library: Library, wide: int = 9, most: int = 3) -> list[Hypothesis]:
                 leading, far = fitted, NEAR if size == 1 and _leaves_nothing(evidence, fitted) else FAR
             # An effect that explains far less needs another before its law matters.
             if size == 1 and fitted.score > leading.score - far * evidence.effective:
-                made += [*_successors(evidence, fitted), *_siblings(evidence, fitted)]
+                made += [*successors(evidence, fitted), *_siblings(evidence, fitted)]
                 best = max(made, key=lambda hypothesis: hypothesis.score)
                 if best.score > leading.score:
                     # A law that leads by starting from another may itself be where a better one starts.
-                    made += _successors(evidence, best)
+                    made += successors(evidence, best)
             for better in made:
                 _keep(refined, better, numbers)
                 _note_exact(exact, better)
@@ -244,7 +244,7 @@ def search(library: Library, wide: int = 9, most: int = 3) -> list[Hypothesis]:
                 if _leaves_nothing(evidence, fitted, FINE):
                     continue
                 for better in (
-                    *_successors(evidence, fitted),
+                    *successors(evidence, fitted),
                     *_siblings(evidence, fitted),
                     *_other_laws(library, fitted),
                     *_what_they_image(library, fitted),
@@ -330,7 +330,7 @@ def _beside_exact(library: Library) -> list[tuple[Hypothesis, tuple[int, ...]]]:
         if not terms[0].shape or evidence.fit(terms).scale in exact:
             continue
         fitted = refine(evidence, evidence.fit(terms, exact), 10, exact)
-        made += [(better, numbers) for better in (evidence.fit(fitted.terms), *_successors(evidence, fitted, exact))]
+        made += [(better, numbers) for better in (evidence.fit(fitted.terms), *successors(evidence, fitted, exact))]
     return made
 
 
@@ -390,7 +390,7 @@ def _with_shapes_of_larger(
     return sorted(best.values(), key=lambda h: (len(h.terms), -h.score))
 
 
-def _successors(evidence: Evidence, fitted: Hypothesis, scales: Sequence[Scale] = ()) -> list[Hypothesis]:
+def successors(evidence: Evidence, fitted: Hypothesis, scales: Sequence[Scale] = ()) -> list[Hypothesis]:
     """The same effects with one form replaced by those that start where it ended, refined beside simulators of ``scales``."""
     made = []
     for k, (term, own) in enumerate(zip(fitted.terms, spans(fitted.terms), strict=True)):
@@ -465,7 +465,7 @@ def _other_laws(library: Library, fitted: Hypothesis) -> list[Hypothesis]:
             other = _refined(evidence, [library.terms[number] for number in numbers])
             made.append(other)
             if other.score > fitted.score - NEARLY * evidence.effective:
-                made += _successors(evidence, other)
+                made += successors(evidence, other)
     return made
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..emulator.emulation import SimulatorScene
 from ..hypotheses.evidence import Evidence, Hypothesis, Term
 from ..hypotheses.refinement import refine
+from ..hypotheses.search import successors
 
 __all__ = ["Image", "imaged_by", "imitations", "within_range", "without_image"]
 
@@ -81,8 +82,13 @@ def _best_of(evidence: Evidence, laws: Sequence[Sequence[Term]]) -> Hypothesis |
     while math.prod(map(len, laws)) > MOST:
         longest = max(range(len(laws)), key=lambda k: len(laws[k]))
         laws[longest] = laws[longest][::2]
-    options = sorted(itertools.product(*laws), key=lambda terms: -evidence.sparse.fit(terms).score)
-    made = [refine(evidence, evidence.fit(terms)) for terms in options[:STARTS]]
+    options: dict[tuple[tuple[str, str], ...], tuple[Term, ...]] = {}
+    for terms in sorted(itertools.product(*laws), key=lambda terms: -evidence.sparse.fit(terms).score):
+        # One law at several places would lead to the same.
+        options.setdefault(tuple(term.law for term in terms), terms)
+    made = [refine(evidence, evidence.fit(terms)) for terms in itertools.islice(options.values(), STARTS)]
+    # Where one of these ends a law may start that it is the first step to.
+    made += [better for hypothesis in tuple(made) for better in successors(evidence, hypothesis)]
     best = max((h for h in made if not h.images), key=lambda h: h.score, default=None)
     return best and replace(best, beside_exact=evidence.fit(best.terms, evidence.exact))
 
