@@ -14,7 +14,7 @@ from .boxed import boxed_least_squares
 from .evidence import FINE, Evidence, Hypothesis, Scale, Term, count_unknowns, is_refitted, spans
 from .refinement import refine, refine_anyhow
 
-__all__ = ["NOTHING", "Library", "search"]
+__all__ = ["NOTHING", "Library", "search", "successors"]
 
 Floats = NDArray[np.float64]
 ALONE, ALIKE = 18, 4
