@@ -35,7 +35,10 @@ NUMPYS = {
 
 @functools.cache
 def scene() -> SimulatorScene:
-    """A hardening spring with sliders, slow enough for its samples that ways of integrating hardly differ."""
+    """A hardening spring with sliders, slow enough for its samples that ways of integrating hardly differ.
+
+    It swings by almost half a turn, so that errors that come once a turn are looked for.
+    """
     time = np.arange(4000) * 0.005
     x = 1.1 * np.sin(2 * np.pi * 0.31 * time) + 0.35 * np.sin(2 * np.pi * 0.83 * time)
     x *= 1.0 - np.exp(-time)

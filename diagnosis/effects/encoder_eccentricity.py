@@ -57,11 +57,9 @@ def _shift(scene: Scene, home: str) -> Floats | float:
     return shift + scene.spring_change(x + small) / small if home == SETTLED else shift
 
 
-def _columns(harmonics: int, home: str = "", periods: float | None = None) -> Columns:
-    """Of so many ``periods`` a turn, or of as many as the shape says."""
-
+def _columns(harmonics: int, home: str = "") -> Columns:
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        made = np.hstack([_waves(scene, k * (periods or shape[0])) for k in range(1, harmonics + 1)])
+        made = np.hstack([_waves(scene, k * shape[0]) for k in range(1, harmonics + 1)])
         made[:, 1::2] += np.reshape(_shift(scene, home), (-1, 1))
         return made
 
@@ -73,11 +71,9 @@ def _of_spring(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return _by_waves(scene.spring_change, scene, shape[0])
 
 
-def _of_true_angle(home: str = "", known: float | None = None) -> Columns:
-    """The same of the true angle: so many periods are known, or the first of the shape are they."""
-
+def _of_true_angle(home: str = "") -> Columns:
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        periods, sizes = (known, shape) if known else (shape[0], shape[1:])
+        periods, sizes = shape[0], shape[1:]
         x = scene.signals.x
         true = x
         at_home = sum(sizes[1::2]) if home else 0.0
@@ -93,13 +89,18 @@ def _of_true_angle(home: str = "", known: float | None = None) -> Columns:
     return columns
 
 
-def _equation(harmonics: int, home: str, of: str = "x", periods: str = "periods * ") -> str:
-    """The equation of a periodic error of the measured angle x or of the true one, z, of which so many ``periods *`` are taken."""
+def _once_a_turn(law: Columns) -> Columns:
+    """A law whose first shape is how many periods a turn has, of one."""
+    return lambda scene, shape: law(scene, (1.0, *shape))
+
+
+def _equation(harmonics: int, home: str, of: str = "x") -> str:
+    """The equation of a periodic error of the measured angle x or of the true one, z."""
 
     def wave(number: str, times: str) -> str:
-        cosine = f"cos({times}{periods}{of})"
+        cosine = f"cos({times}periods * {of})"
         cosine = f"({cosine} - 1)" if home else cosine
-        return f"error_sin{number} * sin({times}{periods}{of}) + error_cos{number} * {cosine}"
+        return f"error_sin{number} * sin({times}periods * {of}) + error_cos{number} * {cosine}"
 
     waves = [wave("", ""), wave("_2", "2 * ")][:harmonics]
     equation = f"x = x + {' + '.join(waves)}" if of == "x" else f"x = z,  z = x + {' + '.join(waves)}"
@@ -142,9 +143,8 @@ class EncoderEccentricity(Effect):
 
     def is_degenerate(self, parameters: dict[str, float], scene: Scene) -> bool:
         # Harmonics that cancel but for their mean are an offset of the deflection.
-        error, _ = _error(
-            [parameters.get(name, 0.0) for name in SIZES], parameters.get("periods", 1.0) * scene.signals.x
-        )
+        angle = parameters.get("periods", 1.0) * scene.signals.x
+        error, _ = _error([parameters.get(name, 0.0) for name in SIZES], angle)
         return abs(float(np.mean(error))) > MOSTLY_OFFSET * float(np.std(error))
 
     def forms(self, scene: Scene) -> list[Form]:
@@ -174,11 +174,12 @@ class EncoderEccentricity(Effect):
             ]  # fmt: skip
             if ONCE[0] < reach / np.pi < ONCE[1]:
                 once = f"once a turn{told}"
+                equations = (_equation(1, home), _equation(2, home, "z"))
+                plain, of_true_angle = (equation.replace("periods * ", "") for equation in equations)
                 made += [
-                    Form(once, SIZES[:2], _columns(1, home, 1.0), *small, equation=_equation(1, home, "x", "")),
-                    Form(f"once a turn of the true angle, two harmonics{told}", unit[0], _of_true_angle(home, 1.0), *unit[1:],
-                         SIZES, (), [size] * 4, (once,), lambda shape, sizes: (float(sizes[0]), float(sizes[1]), 0.0, 0.0),
-                         equation=_equation(2, home, "z", "")),
+                    Form(once, SIZES[:2], _once_a_turn(_columns(1, home)), *small, equation=plain),
+                    Form(f"once a turn of the true angle, two harmonics{told}", unit[0], _once_a_turn(_of_true_angle(home)),
+                         *unit[1:], SIZES, (), [size] * 4, (once,), _from_sine_twice, equation=of_true_angle),
                 ]  # fmt: skip
         made.append(
             Form("sine, of the spring", SIZES[:2], _of_spring, *small, ("periods",), (), [span], ("sine",), borders=[LOW],

@@ -83,7 +83,7 @@ def rather_two(evidence: Evidence, found: Sequence[Hypothesis], best: Hypothesis
     """
     if evidence.fitted or len(best.terms) > 1 or not is_refitted(best.scale):
         return best
-    pairs = [(beside_exact(evidence, h), h) for h in found if len(h.terms) == 2 and h.beside_exact]
+    pairs = [(h.beside_exact, h) for h in found if len(h.terms) == 2 and h.beside_exact]
     pairs.sort(key=lambda each: -each[0].score)
     if pairs and not best.terms:
         beside, pair = pairs[0]
