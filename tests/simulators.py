@@ -367,6 +367,44 @@ def harmonic_drive(time: Floats, x: Floats, e: float = 0.0, steps: int = 8) -> F
     return out
 
 
+def _behind_a_spring(
+    x: Floats, spring: float, hardening: float, load: Callable[[float, float, float], float]
+) -> Floats:
+    """A spring up to a ``load`` that tells its acceleration from the spring's torque, its place and its speed."""
+    steps, place, speed, out = 30, 0.0, 0.0, np.zeros_like(x)
+    for i in range(1, x.size):
+        for k in range(steps):
+            twist = x[i - 1] + (x[i] - x[i - 1]) * (k + 0.5) / steps - place
+            speed += load(spring * twist + hardening * twist**3, place, speed) * INTERVAL / steps
+            place += speed * INTERVAL / steps
+        out[i] = spring * (x[i] - place) + hardening * (x[i] - place) ** 3
+    return out
+
+
+def series_elastic(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """A spring before a load that swings at four times a second and rubs by bristles, held back by another spring."""
+    mass, friction, way, step = 0.016 * (1.0 + e), 0.6 * (1.0 - e), 0.02, INTERVAL / 30
+    state = 0.0
+
+    def load(torque: float, place: float, speed: float) -> float:
+        nonlocal state
+        level = 1.0 + 0.5 * (1.0 + e) * np.exp(-((speed / 0.3) ** 2))
+        state = (state + step * speed / way) / (1.0 + step * abs(speed) / (way * level))
+        return (torque - 2.0 * (1.0 + e) * place - 0.15 * (1.0 - e) * speed - friction * state) / mass
+
+    return _behind_a_spring(x, 10.0 * (1.0 - e), 0.0, load)
+
+
+def rubbing_load(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """The same on a spring that hardens, with the sign of the speed, made smooth, in place of bristles."""
+    mass, friction = 0.02 * (1.0 + e), 0.5 * (1.0 - e)
+
+    def load(torque: float, place: float, speed: float) -> float:
+        return (torque - 3.0 * (1.0 + e) * place - 0.3 * (1.0 - e) * speed - friction * np.tanh(speed / 0.1)) / mass
+
+    return _behind_a_spring(x, 12.0 * (1.0 - e), 5.0 * (1.0 + e), load)
+
+
 JOINTS: dict[str, tuple[Joint, float]] = {
     "kinked": (kinked, 0.005),
     "two sliders": (two_sliders, 0.002),
@@ -402,5 +440,7 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "absorber": (absorber, 0.005),
     "tendon": (tendon, 0.001),
     "harmonic drive": (harmonic_drive, 0.002),
+    "series elastic": (series_elastic, 0.002),
+    "rubbing load": (rubbing_load, 0.002),
 }
 """With the error, as a share of the output, that the emulator may make over a motion that it never saw."""

@@ -21,6 +21,7 @@ from hystbench.diagnosis.emulator.generalised import Generalised, spring_of
 from hystbench.diagnosis.emulator.kinds import KINDS
 from hystbench.diagnosis.emulator.motion import Extent, Motion
 from hystbench.diagnosis.operators.levels import attracted
+from hystbench.diagnosis.operators.masses import held_by_load
 from hystbench.diagnosis.operators.memory import held_inside, hyperbolic
 from hystbench.diagnosis.operators.smooth_loops import pinched, smooth
 from hystbench.diagnosis.recording.noise import rms
@@ -320,6 +321,43 @@ def test_spring_that_is_held_inside_a_drive_is_the_solution_of_its_equations() -
     wanted = twist + hardening * twist**3
     found = held_inside(time, deflection(time), friction, creep, after, damping, hardening)
     assert np.max(np.abs(found - wanted)) < 3e-3 * np.max(np.abs(wanted))
+
+
+@pytest.mark.parametrize("by_speed", [False, True])
+def test_spring_that_is_held_by_a_load_is_the_solution_of_its_equations(by_speed: bool) -> None:
+    friction, frequency, damping, after, hardening, late = 0.05, 18.0, 0.15, 0.4, 0.75, 0.004
+    width = 0.05 if by_speed else 0.01
+    excess, pace = (0.0, 1.0) if by_speed else (0.6, 0.3)
+
+    def deflection(time: Floats) -> Floats:
+        return np.asarray(0.5 * np.sin(1.9 * time) + 0.2 * np.sin(5.3 * time))
+
+    def driven(time: Floats) -> Floats:
+        return np.asarray(0.95 * np.cos(1.9 * time) + 1.06 * np.cos(5.3 * time))
+
+    def torque(time: Floats, place: Floats, speed: Floats) -> Floats:
+        twist = deflection(time) - place
+        return np.asarray(twist + hardening * twist**3 + late * (driven(time) - speed))
+
+    def slopes(time: float, state: Floats) -> list[float]:
+        place, speed, built_up = state
+        level = 1.0 + excess * np.exp(-((speed / pace) ** 2))
+        rubs = np.tanh(speed / width) if by_speed else built_up
+        pull = float(torque(np.array(time), place, speed)) - after * place - friction * rubs
+        return [
+            speed,
+            frequency**2 * pull - 2.0 * damping * frequency * speed,
+            (speed - abs(speed) * built_up / level) / width,
+        ]
+
+    time = np.arange(0.0, 8.0, 0.002)
+    solved = solve_ivp(slopes, (0.0, 8.0), [0.0, 0.0, 0.0], t_eval=time, rtol=1e-8, atol=1e-10, method="LSODA")
+    wanted = torque(time, solved.y[0], solved.y[1])
+    # A motion that begins at once pulls the dashpot after the first sample.
+    found = held_by_load(
+        time, deflection(time), friction, frequency, damping, width, after, hardening, late, excess, pace, by_speed
+    )
+    assert np.max(np.abs(found - wanted)[1:]) < 5e-4 * np.max(np.abs(wanted))
 
 
 def test_model_file_keeps_further_elements_and_tells_what_is_wrong_with_them() -> None:

@@ -16,7 +16,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from ..operators.masses import sliding
+from ..operators.masses import held_by_load, sliding
 from ..operators.memory import dashed, hardening, held_inside, leaky, pressed
 from ..operators.smooth_loops import pinched, smooth
 from .motion import Extent, Motion
@@ -95,6 +95,8 @@ class Kind:
         Whether it changes on the way as well, and not only by where the motion turns.
     last : bool
         Whether it resembles so many others, by few sizes, that it is asked last: they would not be clearly better.
+    evident : bool
+        Whether, where there is one, those to choose from help much before they are moved.
     """
 
     part: str
@@ -112,6 +114,7 @@ class Kind:
     by_speed: bool = False
     all_along: bool = False
     last: bool = False
+    evident: bool = False
 
     def torque(self, motion: Motion, sizes: Floats, weights: Floats) -> Floats:
         """Torque of all elements of these sizes and weights, N·m, shape (n,)."""
@@ -174,6 +177,31 @@ def _slip_elements(column: Callable[..., Floats]) -> Kind:
         timed=True,
         limits=lambda extent: np.asarray(extent.sticky * [[0.001, 0.003, 0.02, 0.05], [1.0, 5.0, 6.0, 100.0]]),
         by_speed=True,
+    )  # fmt: skip
+
+
+def _held_by_load(
+    units: Callable[[Extent], Floats], width: Sequence[float], *more: Sequence[float], by_speed: bool = False
+) -> Kind:
+    """A spring held by a load, in which ``units`` its sizes are, and of those that differ where one begins and its limits."""
+    first, least, most = np.array([width, *more]).T
+    loads = itertools.product(
+        (0.03, 0.1), (4.0, 10.0, 25.0, 60.0), (0.05, 0.3), first[:1], (0.03, 0.5), (0.1,), (0.03,)
+    )
+    begun = np.array([(*load, *first[1:]) for load in loads])
+    lowest = np.array([1e-3, 1.0, 1e-3, least[0], 1e-3, 3e-3, 1e-3, *least[1:]])
+    highest = np.array([1.0, 100.0, 3.0, most[0], 20.0, 10.0, 100.0, *most[1:]])
+    positive = (1, 3, 8) if more else (1, 3)
+    return Kind(
+        MEMORY, True,
+        lambda extent: units(extent) * begun,
+        _timed(functools.partial(held_by_load, by_speed=by_speed)),
+        dict.fromkeys(positive, (0.0, np.inf)),
+        timed=True,
+        limits=lambda extent: units(extent) * [lowest, highest],
+        # And the frequency: how a load swings bends with it.
+        corners=(0, 1),
+        evident=True,
     )  # fmt: skip
 
 
@@ -314,6 +342,15 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         {1: (0.0, np.inf)},
         timed=True,
         limits=lambda extent: extent.drive * [[0.003, 0.001, 0.05, 0.001, 0.003], [2.0, 0.2, 20.0, 2.0, 10.0]],
+    ),
+    # Series elastic actuators and gears whose load swings behind the spring and rubs there: by a bristle (Dahl, LuGre) or by the
+    # sign of its speed, made smooth.
+    "a few springs held by a load": _held_by_load(lambda extent: extent.load[:7], (0.02, 1e-3, 0.3)),
+    "a few springs held by a sliding load": _held_by_load(
+        lambda extent: extent.sliding_load, (0.05, 3e-3, 3.0), by_speed=True
+    ),
+    "a few springs held by a load with Stribeck friction": _held_by_load(
+        lambda extent: extent.load, (0.02, 1e-3, 0.3), (0.3, 0.02, 3.0), (0.2, 0.01, 5.0)
     ),
     # Metal that yields: its back stresses recall themselves.
     "a few hardening sliders": Kind(

@@ -163,6 +163,17 @@ class Extent:
         return np.array([self.reach, self.reach, 1.0, self.reach / self.fast, 1.0 / self.reach**2])
 
     @property
+    def load(self) -> Floats:
+        """The same of one that is held by a load: rad, rad/s, 1, rad, 1, 1/rad², s, 1, rad/s; shape (9,)."""
+        pace = self.fast / self.reach
+        return np.array([self.reach, pace, 1.0, self.reach, 1.0, 1.0 / self.reach**2, self.interval, 1.0, self.fast])
+
+    @property
+    def sliding_load(self) -> Floats:
+        """The same where friction follows the speed: rad, rad/s, 1, rad/s, 1, 1/rad², s; shape (7,)."""
+        return np.array([*self.load[:3], self.fast, *self.load[4:7]])
+
+    @property
     def metal(self) -> Floats:
         """The same of a slider that hardens: rad, 1, rad, 1, rad, 1, rad; shape (7,)."""
         return np.array([self.reach, 1.0, self.reach, 1.0, self.reach, 1.0, self.reach])

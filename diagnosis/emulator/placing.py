@@ -32,9 +32,9 @@ WIDE = 2e-3
 """Step along a size's logarithm for its slope: wide enough to see past the corners where a slider gives way."""
 RIDGE = 1e-8
 """Strength of the ridge on the columns beside them."""
-HOPELESS, COSTLY = 0.97, 0.95
+HOPELESS, COSTLY, HIDDEN = 0.97, 0.95, 0.9
 """What the best element to choose from leaves of the error where moving it is not worth the time; of the first of those that know
-time."""
+time, and of kinds that would be evident."""
 RICH, POOR = 8, 0.01
 """From so many sizes on an element is looked for only where so much of the error is left."""
 
@@ -135,7 +135,7 @@ class _Maker:
         self._signed, self._unit = np.isin(np.arange(kind.width), kind.signed), limits[1]
         self._low, self._high = self._logs(limits)
         self._first = ~np.isin(np.arange(self._low.size), kind.later)
-        self._hopeless_at_first = COSTLY if kind.timed else HOPELESS
+        self._hopeless_at_first = HIDDEN if kind.evident else COSTLY if kind.timed else HOPELESS
         self._starts, self._tried = self._logs(choices[0]), choices[1]
         self._goal = goal
         self._sign = sign

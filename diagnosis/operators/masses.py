@@ -1,4 +1,4 @@
-"""Compiled models of what has a mass: resonances, bodies with dry friction behind a spring, loads that fly across a gap."""
+"""Compiled models of what has a mass: resonances, bodies and loads with dry friction behind a spring, loads that fly across a gap."""
 
 from __future__ import annotations
 
@@ -6,11 +6,13 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["free_flight", "resonated", "sliding"]
+__all__ = ["free_flight", "held_by_load", "resonated", "sliding"]
 
 Floats = NDArray[np.float64]
 SUBSTEPS = 4
 """Steps of a mass between two samples."""
+NEWTON = 8
+"""Steps at most to the speed at which friction that follows it holds a mass."""
 
 
 @njit(cache=True)
@@ -83,6 +85,62 @@ def _sliding(time, x, level, frequency, damping, creep, late, early, share, uppe
                 speed = _held(speed, pulled, h, 1.0, 0.0, holding, slipping, share, inert, sticky, friction)
             place += h * speed
         out[i] = x[i] - place - late * speed
+
+
+@njit(cache=True)
+def _rubbed(speed, pushed, stuck, kept, width):
+    # The speed amid a step at which what pushes is spent on the mass and on friction that follows the speed.
+    low, high = (pushed - stuck) / kept, (pushed + stuck) / kept
+    for _ in range(NEWTON):
+        grip = np.tanh(speed / width)
+        further = speed - (kept * speed + stuck * grip - pushed) / (kept + stuck * (1.0 - grip * grip) / width)
+        further = min(max(further, low), high)
+        near = abs(further - speed) < 1e-6 * width
+        speed = further
+        if near:
+            break
+    return speed
+
+
+@njit(cache=True)
+def _held_by_load(time, x, friction, frequency, damping, width, after, hardening, late, excess, pace, by_speed, out):
+    place, speed, z = 0.0, 0.0, 0.0
+    pull, drag = frequency * frequency, 2.0 * damping * frequency
+    out[0] = 0.0
+    for i in range(1, x.size):
+        dt = time[i] - time[i - 1]
+        if dt <= 0.0:
+            held = 0.0 if by_speed else friction
+            place, speed = min(max((1.0 + after) * place, x[i] - held), x[i] + held) / (1.0 + after), 0.0
+            twist = x[i] - place
+            z = (twist - after * place) / friction
+            out[i] = twist + hardening * twist * twist * twist
+            continue
+        h = dt / SUBSTEPS
+        step = (x[i] - x[i - 1]) / SUBSTEPS
+        drawn = late * step / h
+        kept = 2.0 + h * (drag + pull * late)
+        for k in range(SUBSTEPS):
+            twist = x[i - 1] + step * (k + 0.5) - place
+            force = twist + hardening * twist * twist * twist - after * place + drawn
+            pushed, stuck = 2.0 * speed + h * pull * force, h * pull * friction
+            middle = speed
+            # The rule of trapezoids, with the friction of the speed amid the step.
+            for _ in range(2):
+                level = 1.0 + excess * np.exp(-middle * middle / (pace * pace)) if excess > 0.0 else 1.0
+                if by_speed:
+                    middle = _rubbed(middle, pushed, stuck * level, kept, width)
+                    if excess <= 0.0:
+                        break
+                else:
+                    given = 1.0 / (1.0 + 0.5 * h * abs(middle) / (width * level))
+                    middle = (pushed - stuck * z * given) / (kept + stuck * given * 0.5 * h / width)
+            if not by_speed:
+                z = 2.0 * (z + 0.5 * h * middle / width) * given - z
+            speed = 2.0 * middle - speed
+            place += h * speed
+        twist = x[i] - (place - 0.5 * h * speed)
+        out[i] = twist + hardening * twist * twist * twist + late * (step / h - speed)
 
 
 @njit(cache=True)
@@ -165,4 +223,34 @@ def sliding(
     mass = float(level), float(frequency), float(damping), float(creep), float(late), float(early), float(share)
     stops = float(upper), float(upper * skew), float(hold), float(give)
     _sliding(np.ascontiguousarray(time), np.ascontiguousarray(x), *mass, *stops, out)
+    return out
+
+
+def held_by_load(
+    time: Floats,
+    x: Floats,
+    friction: float,
+    frequency: float,
+    damping: float,
+    width: float,
+    after: float,
+    hardening: float,
+    late: float = 0.0,
+    excess: float = 0.0,
+    pace: float = 1.0,
+    by_speed: bool = False,
+) -> Floats:
+    """Torque of a hardening spring, of unit stiffness at rest, between ``x`` (n,) and a load that swings and rubs, shape (n,).
+
+    The load swings on the spring at ``frequency``, rad/s, with the ``damping`` ratio of its own, and a spring of the stiffness
+    ``after`` holds it; ``hardening`` is the first spring's, 1/rad², and ``late`` a dashpot beside that, s. The load rubs with
+    ``friction``, rad, that builds up over the way ``width``, rad, as in Dahl's model, and where there is an ``excess`` falls from
+    1 + ``excess`` of that at rest by ``pace``, rad/s (Canudas de Wit et al., IEEE TAC 40, 1995); where ``by_speed`` it is the
+    hyperbolic tangent of the speed over ``width``, rad/s. All is at rest at zero first. Where no time passes it is dragged along
+    slowly. A series elastic actuator: Pratt and Williamson (IROS 1995, 399-406).
+    """
+    out = np.empty(x.size)
+    load = float(friction), float(frequency), float(damping), float(width), float(after)
+    more = float(hardening), float(late), float(excess), float(pace)
+    _held_by_load(np.ascontiguousarray(time), np.ascontiguousarray(x), *load, *more, by_speed, out)
     return out
