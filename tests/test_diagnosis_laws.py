@@ -155,6 +155,20 @@ def test_a_clearance_in_series_is_crossed_where_the_torque_is_nil(
     assert np.std(made[:, 0] - wanted) < 0.08 * np.std(wanted)
 
 
+def test_a_clearance_may_be_crossed_where_all_the_torque_turns_a_masss_and_a_dampers_too() -> None:
+    time, x = swelling()
+
+    def drive(x: Floats) -> Floats:
+        speed = np.gradient(x, time)
+        return joint(x) + 0.4 * speed + 0.03 * np.gradient(speed, time)
+
+    noise = NOISE * np.random.default_rng(6).standard_normal(x.size)
+    loose = drive(x - 0.01 * np.tanh(drive(x) / 0.4)) + noise
+    found = diagnose(Signals(time, x, loose, drive(x), [slice(0, x.size)], {}))
+    assert found.verdict == ["backlash"]
+    assert found.closed_in_all > 0.98
+
+
 def test_a_clearance_may_hold_the_spring_alone_while_friction_is_felt_before_it() -> None:
     _, x = swelling()
     behind = x - np.clip(x, -0.02, 0.02)

@@ -138,6 +138,11 @@ def _pressed(scene: Scene, half: float, soft: float) -> Floats:
     return x - joint
 
 
+def _by_the_torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    # All of the torque, its mass's and damper's too, tells the flank, as it would be without a clearance.
+    return scene.signals.x - 0.5 * shape[0] * np.tanh(scene.torque / shape[1])
+
+
 def _begun(scene: Scene, half: float) -> tuple[Floats, Floats, Floats, Floats]:
     """Where Newton's steps begin: the deflection and its noise, the torque behind the clearance and its slope, each (n,)."""
     x, torque = scene.signals.smooth_x, _held(scene)
@@ -225,7 +230,7 @@ class Backlash(Effect):
     equation: ClassVar[str] = (
         "x → play(x; b/2), ± b/2 where it was zeroed at a flank, or the mean of plays from b/2 (1 − c) to b/2 (1 + c), x → x − clip(x − m, ±b/2), + clip(−m, ±b/2) if zeroed there, "
         "x → x − b/2 tanh(2x/b), each also in the elastic part of y_sim alone (the first in its friction), or x → x − g, g across ±b/2 where y passes "
-        "zero (at once, as b/2 tanh(y/f), or a load of inertia J that swings across and hits)"
+        "zero (at once, as b/2 tanh(y/f), there or where y was without it, or a load of inertia J that swings across and hits)"
     )
     coordinate: ClassVar[str] = "distance_since_reversal"
     acts_on: ClassVar[str] = INPUT
@@ -283,6 +288,9 @@ class Backlash(Effect):
             Form("gap at zero torque, soft flanks", ("_unit",), _soft_series, (1.0,), (1.0,), ("clearance", "flank_torque"), (),
                  [*limits, (0.01 * strong, strong)], ("gap at zero torque",), lambda shape, coefficients: (shape[0], 0.1 * strong),
                  equation=SOFTLY),
+            Form("gap where all the torque was zero before", ("_unit",), _before(_by_the_torque), (1.0,), (1.0,), ("clearance", "flank_torque"),
+                 [(b, 0.1 * strong) for (b,) in few], [*limits, (0.003 * strong, strong)],
+                 equation="x = x - clearance / 2 * tanh(y / flank_torque)"),
             Form("gap at zero torque, free flight", ("_unit", "load_inertia"), _flight, (1.0, 0.0), (1.0, np.inf),
                  ("clearance", "load_frequency"), [(b, w) for (b,) in grid[3:11:2] for w in (40.0, 120.0, 400.0)],
                  [*limits, (10.0, 3000.0)], equation=IN_FLIGHT),
