@@ -360,6 +360,14 @@ def test_spring_that_is_held_by_a_load_is_the_solution_of_its_equations(by_speed
     assert np.max(np.abs(found - wanted)[1:]) < 5e-4 * np.max(np.abs(wanted))
 
 
+@pytest.mark.parametrize("by_speed", [False, True])
+def test_spring_that_is_held_by_a_load_stays_bounded_however_slowly_it_is_sampled(by_speed: bool) -> None:
+    time = np.arange(0.0, 60.0, 0.05)
+    x = 0.5 * np.sin(1.9 * time) + 0.3 * np.sin(13.0 * time)
+    found = held_by_load(time, x, 0.01, 200.0, 0.3, 0.05, 5.0, 12.0, 0.01, by_speed=by_speed)
+    assert np.max(np.abs(found)) < 20.0
+
+
 def test_model_file_keeps_further_elements_and_tells_what_is_wrong_with_them() -> None:
     signals = recorded(kinked)
     parameters = json.loads(json.dumps(Generalised(signals).parameters(), default=np.ndarray.tolist))

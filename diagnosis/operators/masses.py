@@ -118,12 +118,14 @@ def _held_by_load(time, x, friction, frequency, damping, width, after, hardening
             continue
         h = dt / SUBSTEPS
         step = (x[i] - x[i - 1]) / SUBSTEPS
-        drawn = late * step / h
-        kept = 2.0 + h * (drag + pull * late)
+        drawn, damped = late * step / h, h * (drag + pull * late)
         for k in range(SUBSTEPS):
             twist = x[i - 1] + step * (k + 0.5) - place
             force = twist + hardening * twist * twist * twist - after * place + drawn
-            pushed, stuck = 2.0 * speed + h * pull * force, h * pull * friction
+            # Springs that are too stiff for the step get as much mass as it takes.
+            mass = 2.0 * max(1.0, 0.5 * h * h * pull * (1.0 + after + 3.0 * hardening * twist * twist))
+            kept = mass + damped
+            pushed, stuck = mass * speed + h * pull * force, h * pull * friction
             middle = speed
             # The rule of trapezoids, with the friction of the speed amid the step.
             for _ in range(2):
