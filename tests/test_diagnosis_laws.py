@@ -169,6 +169,17 @@ def test_a_clearance_may_be_crossed_where_all_the_torque_turns_a_masss_and_a_dam
     assert found.closed_in_all > 0.98
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_spring_on_one_side_may_grow_stiffer_beside_a_simulator_that_is_off(side: float) -> None:
+    _, x = swelling()
+    beyond = np.maximum(side * x, 0.0)
+    off = 4.12 * x + 0.58 * x**3 + sliders(x, ((5.8, 0.124), (2.07, 0.145), (0.77, 0.166)))
+    found = diagnosed(x, off + side * (0.25 * beyond + 0.4 * beyond**2))
+    assert set(found.verdict) - {"miscalibration"} == {"stiffness_asymmetry"}
+    named = next(effect for effect in found.effects if effect.name == "stiffness_asymmetry")
+    assert abs(named.parameters["extra_stiffness_slope"] - 0.4) < 0.15
+
+
 def test_a_clearance_may_hold_the_spring_alone_while_friction_is_felt_before_it() -> None:
     _, x = swelling()
     behind = x - np.clip(x, -0.02, 0.02)

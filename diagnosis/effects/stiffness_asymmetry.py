@@ -44,6 +44,16 @@ def _sided(side: float, part: Callable[[Scene], Floats]) -> Columns:
     return columns
 
 
+def _progressively(side: float) -> Columns:
+    """A spring on one side (±1) that is stiffer the farther it goes."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        beyond = np.maximum(side * scene.signals.smooth_x, 0.0)
+        return side * np.column_stack([beyond, beyond**2])
+
+    return columns
+
+
 def _rounded(side: float, part: Callable[[Scene], Floats]) -> Columns:
     """The same where the change from one side to the other is not sharp."""
 
@@ -122,7 +132,7 @@ class StiffnessAsymmetry(Effect):
     title: ClassVar[str] = "stiffness asymmetry"
     summary: ClassVar[str] = "stiffer on one side than on the other (unequal springs, one-sided contact)"
     equation: ClassVar[str] = (
-        "y += k max(±x, 0), k |x| (sharp or rounded), the first also from another place on, k2 x² (also on one side), Y (±x/X)^p on one side of the stroke X, g y_sim or its elastic part on one side, under torque of one sign, in proportion to x or of opposite sign "
+        "y += k max(±x, 0), k |x| (sharp or rounded), the first also from another place on, k2 x² (also on one side, there beside k), Y (±x/X)^p on one side of the stroke X, g y_sim or its elastic part on one side, under torque of one sign, in proportion to x or of opposite sign "
         "on both, or x → x + s max(±x, 0)"
     )
     coordinate: ClassVar[str] = "position"
@@ -186,6 +196,11 @@ class StiffnessAsymmetry(Effect):
                  equation="y += extra_gain * (y > 0) * y_spring"),
             Form("elastic torque, under negative torque", ("extra_gain",), _loaded(-1.0), *gain,
                  equation="y += extra_gain * (y < 0) * y_spring"),
+        ]  # fmt: skip
+        made += [
+            Form(f"progressive, {told}", ("extra_stiffness", "extra_stiffness_slope"), _progressively(side), (0.0,) * 2, (np.inf,) * 2,
+                 equation=f"y += {sign}(extra_stiffness * maximum({sign}x, 0) + extra_stiffness_slope * maximum({sign}x, 0)**2)")
+            for side, sign, told in ((1.0, "", "upper side"), (-1.0, "-", "lower side"))
         ]  # fmt: skip
         made += [
             Form(f"hardening, {told}", ("extra_torque",), _hardening_by(side), *free, ("power",), (), [(1.2, 5.0)],
