@@ -326,8 +326,7 @@ def test_spring_that_is_held_inside_a_drive_is_the_solution_of_its_equations() -
 @pytest.mark.parametrize("by_speed", [False, True])
 def test_spring_that_is_held_by_a_load_is_the_solution_of_its_equations(by_speed: bool) -> None:
     friction, frequency, damping, after, hardening, late = 0.05, 18.0, 0.15, 0.4, 0.75, 0.004
-    width = 0.05 if by_speed else 0.01
-    excess, pace = (0.0, 1.0) if by_speed else (0.6, 0.3)
+    width, excess, pace = 0.05 if by_speed else 0.01, 0.6, 0.3
 
     def deflection(time: Floats) -> Floats:
         return np.asarray(0.5 * np.sin(1.9 * time) + 0.2 * np.sin(5.3 * time))
@@ -342,7 +341,7 @@ def test_spring_that_is_held_by_a_load_is_the_solution_of_its_equations(by_speed
     def slopes(time: float, state: Floats) -> list[float]:
         place, speed, built_up = state
         level = 1.0 + excess * np.exp(-((speed / pace) ** 2))
-        rubs = np.tanh(speed / width) if by_speed else built_up
+        rubs = level * np.tanh(speed / width) if by_speed else built_up
         pull = float(torque(np.array(time), place, speed)) - after * place - friction * rubs
         return [
             speed,
@@ -358,6 +357,17 @@ def test_spring_that_is_held_by_a_load_is_the_solution_of_its_equations(by_speed
         time, deflection(time), friction, frequency, damping, width, after, hardening, late, excess, pace, by_speed
     )
     assert np.max(np.abs(found - wanted)[1:]) < 5e-4 * np.max(np.abs(wanted))
+
+
+def test_friction_that_is_strong_beside_the_mass_holds_a_load_however_slowly_it_is_sampled() -> None:
+    """By a sign of the speed that is hardly smooth beside what friction does in a step."""
+
+    def swung(rate: float) -> Floats:
+        time = np.arange(0.0, 4.0, 1.0 / rate)
+        return held_by_load(time, 0.5 * np.sin(6.28 * time), 0.2, 100.0, 0.1, 0.001, 0.5, 0.0, by_speed=True)
+
+    fine, coarse = swung(8000.0)[::80], swung(100.0)
+    assert np.std(coarse - fine) < 0.003 * np.std(fine)
 
 
 @pytest.mark.parametrize("by_speed", [False, True])

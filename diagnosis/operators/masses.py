@@ -11,7 +11,7 @@ __all__ = ["free_flight", "held_by_load", "resonated", "sliding"]
 Floats = NDArray[np.float64]
 SUBSTEPS = 4
 """Steps of a mass between two samples."""
-NEWTON = 8
+NEWTON = 20
 """Steps at most to the speed at which friction that follows it holds a mass."""
 
 
@@ -88,16 +88,15 @@ def _sliding(time, x, level, frequency, damping, creep, late, early, share, uppe
 
 
 @njit(cache=True)
-def _rubbed(speed, pushed, stuck, kept, width):
-    # The speed amid a step at which what pushes is spent on the mass and on friction that follows the speed.
-    low, high = (pushed - stuck) / kept, (pushed + stuck) / kept
+def _rubbed(pushed, stuck, kept, width):
+    # The speed amid a step at which what pushes is spent on the mass and on friction that follows the speed. From rest on
+    # Newton's steps never pass it.
+    speed = 0.0
     for _ in range(NEWTON):
         grip = np.tanh(speed / width)
-        further = speed - (kept * speed + stuck * grip - pushed) / (kept + stuck * (1.0 - grip * grip) / width)
-        further = min(max(further, low), high)
-        near = abs(further - speed) < 1e-6 * width
-        speed = further
-        if near:
+        further = (pushed - kept * speed - stuck * grip) / (kept + stuck * (1.0 - grip * grip) / width)
+        speed += further
+        if abs(further) < 1e-6 * width:
             break
     return speed
 
@@ -131,7 +130,7 @@ def _held_by_load(time, x, friction, frequency, damping, width, after, hardening
             for _ in range(2):
                 level = 1.0 + excess * np.exp(-middle * middle / (pace * pace)) if excess > 0.0 else 1.0
                 if by_speed:
-                    middle = _rubbed(middle, pushed, stuck * level, kept, width)
+                    middle = _rubbed(pushed, stuck * level, kept, width)
                     if excess <= 0.0:
                         break
                 else:
