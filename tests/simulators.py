@@ -13,6 +13,8 @@ Pads = tuple[float, float] | None
 Joint = Callable[..., Floats]
 INTERVAL = 0.01
 """Of the samples, s."""
+STEPS = 30
+"""Of a load's motion between two samples."""
 
 # Each with its parameters off by ``e``, some up and some down.
 
@@ -371,19 +373,19 @@ def _behind_a_spring(
     x: Floats, spring: float, hardening: float, load: Callable[[float, float, float], float]
 ) -> Floats:
     """A spring up to a ``load`` that tells its acceleration from the spring's torque, its place and its speed."""
-    steps, place, speed, out = 30, 0.0, 0.0, np.zeros_like(x)
+    place, speed, out = 0.0, 0.0, np.zeros_like(x)
     for i in range(1, x.size):
-        for k in range(steps):
-            twist = x[i - 1] + (x[i] - x[i - 1]) * (k + 0.5) / steps - place
-            speed += load(spring * twist + hardening * twist**3, place, speed) * INTERVAL / steps
-            place += speed * INTERVAL / steps
+        for k in range(STEPS):
+            twist = x[i - 1] + (x[i] - x[i - 1]) * (k + 0.5) / STEPS - place
+            speed += load(spring * twist + hardening * twist**3, place, speed) * INTERVAL / STEPS
+            place += speed * INTERVAL / STEPS
         out[i] = spring * (x[i] - place) + hardening * (x[i] - place) ** 3
     return out
 
 
 def series_elastic(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """A spring before a load that swings at four times a second and rubs by bristles, held back by another spring."""
-    mass, friction, way, step = 0.016 * (1.0 + e), 0.6 * (1.0 - e), 0.02, INTERVAL / 30
+    mass, friction, way, step = 0.016 * (1.0 + e), 0.6 * (1.0 - e), 0.02, INTERVAL / STEPS
     state = 0.0
 
     def load(torque: float, place: float, speed: float) -> float:

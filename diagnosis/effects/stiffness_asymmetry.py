@@ -109,6 +109,8 @@ def _stretched(side: float) -> Columns:
     return columns
 
 
+SIDES = (1.0, "", "upper side"), (-1.0, "-", "lower side")
+"""Of the deflection: as a factor, as an equation's sign and in words."""
 ONE_SIDED = 1e-3
 """Share of its energy by which a law must differ from a factor on the torque, or on the spring, to be of one side only."""
 
@@ -200,13 +202,13 @@ class StiffnessAsymmetry(Effect):
         made += [
             Form(f"progressive, {told}", ("extra_stiffness", "extra_stiffness_slope"), _progressively(side), (0.0,) * 2, (np.inf,) * 2,
                  equation=f"y += {sign}(extra_stiffness * maximum({sign}x, 0) + extra_stiffness_slope * maximum({sign}x, 0)**2)")
-            for side, sign, told in ((1.0, "", "upper side"), (-1.0, "-", "lower side"))
+            for side, sign, told in SIDES
         ]  # fmt: skip
         made += [
             Form(f"hardening, {told}", ("extra_torque",), _hardening_by(side), *free, ("power",), (), [(1.2, 5.0)],
                  (f"quadratic, {told}",), lambda shape, coefficients: (2.5,),
                  equation=f"y += {sign}extra_torque * (maximum({sign}x, 0) / {reach:.8g})**power")
-            for side, sign, told in ((1.0, "", "upper side"), (-1.0, "-", "lower side"))
+            for side, sign, told in SIDES
         ]  # fmt: skip
         middle = 0.5 * float(scene.signals.smooth_x.min() + scene.signals.smooth_x.max())
         made += [
@@ -215,7 +217,7 @@ class StiffnessAsymmetry(Effect):
                  [(middle - 0.25 * reach, middle + 0.25 * reach), *knee], (f"spring, {told}",),
                  lambda shape, coefficients: (middle, 0.03 * reach), borders=[BOTH, NOT],
                  equation=f"y += {sign}extra_stiffness * knee * logaddexp(0, {sign}(x - place) / knee)")
-            for side, sign, told in ((1.0, "", "upper side"), (-1.0, "-", "lower side"))
+            for side, sign, told in SIDES
         ]  # fmt: skip
         for what, part, name, bounds in (
             ("spring", Part("x", lambda scene: scene.signals.smooth_x), "extra_stiffness", free),

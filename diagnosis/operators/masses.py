@@ -102,6 +102,11 @@ def _rubbed(pushed, stuck, kept, width):
 
 
 @njit(cache=True)
+def _hardened(twist, hardening):
+    return twist + hardening * twist * twist * twist
+
+
+@njit(cache=True)
 def _held_by_load(time, x, friction, frequency, damping, width, after, hardening, late, excess, pace, by_speed, out):
     place, speed, z = 0.0, 0.0, 0.0
     pull, drag = frequency * frequency, 2.0 * damping * frequency
@@ -113,14 +118,14 @@ def _held_by_load(time, x, friction, frequency, damping, width, after, hardening
             place, speed = min(max((1.0 + after) * place, x[i] - held), x[i] + held) / (1.0 + after), 0.0
             twist = x[i] - place
             z = (twist - after * place) / friction
-            out[i] = twist + hardening * twist * twist * twist
+            out[i] = _hardened(twist, hardening)
             continue
         h = dt / SUBSTEPS
         step = (x[i] - x[i - 1]) / SUBSTEPS
         drawn, damped = late * step / h, h * (drag + pull * late)
         for k in range(SUBSTEPS):
             twist = x[i - 1] + step * (k + 0.5) - place
-            force = twist + hardening * twist * twist * twist - after * place + drawn
+            force = _hardened(twist, hardening) - after * place + drawn
             # Springs that are too stiff for the step get as much mass as it takes.
             mass = 2.0 * max(1.0, 0.5 * h * h * pull * (1.0 + after + 3.0 * hardening * twist * twist))
             kept = mass + damped
@@ -141,7 +146,7 @@ def _held_by_load(time, x, friction, frequency, damping, width, after, hardening
             speed = 2.0 * middle - speed
             place += h * speed
         twist = x[i] - (place - 0.5 * h * speed)
-        out[i] = twist + hardening * twist * twist * twist + late * (step / h - speed)
+        out[i] = _hardened(twist, hardening) + late * (step / h - speed)
 
 
 @njit(cache=True)
