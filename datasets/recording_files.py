@@ -6,7 +6,7 @@ import csv
 import difflib
 import os
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -104,7 +104,12 @@ def read_recording(
     )
 
 
-def read_columns(file: str | os.PathLike[str], columns: Mapping[str, str | None], time: str | None = None) -> Columns:
+def read_columns(
+    file: str | os.PathLike[str],
+    columns: Mapping[str, str | None],
+    time: str | None = None,
+    companion: bool = False,
+) -> Columns:
     """Read chosen columns of a recording.
 
     A column that is not named, and whose default name the file lacks, is guessed by name and unit; what is assumed is
@@ -117,6 +122,9 @@ def read_columns(file: str | os.PathLike[str], columns: Mapping[str, str | None]
         Column name by role, ``x`` or ``y``; the role is also the command line's option, so that messages can name it.
     time : str, optional
         Time column. Where none is named or found samples are numbered.
+    companion : bool
+        Whether what is named are columns of another file that this one goes with. Those that it lacks are guessed here, and
+        left out where none is found; only ``y`` must be there.
 
     Raises
     ------
@@ -125,9 +133,12 @@ def read_columns(file: str | os.PathLike[str], columns: Mapping[str, str | None]
     """
     path = Path(file)
     table = _read_table(path)
-    chosen, notes = _chosen_columns(path, table.names, {"time": time, **columns})
+    asked = {"time": time, **columns}
+    if companion:
+        asked = {role: name if name in table.names else None for role, name in asked.items()}
+    chosen, notes = _chosen_columns(path, table.names, asked, ("y",) if companion else tuple(columns))
     time = chosen.get("time")
-    wanted = {role: table.numbers(chosen[role]) for role in columns}
+    wanted = {role: table.numbers(chosen[role]) for role in columns if role in chosen}
     rows = next(iter(wanted.values())).size
     if rows < MINIMUM_ROWS:
         raise InputError(f"{path}: {rows} rows of data are too few; give a recording of at least {MINIMUM_ROWS}")
@@ -364,14 +375,16 @@ def _series(path: Path, arrays: Mapping[str, NDArray[Any]]) -> _Table:
 # ---- roles ---------------------------------------------------------------------------------------------------------
 
 
-def _chosen_columns(path: Path, names: list[str], asked: Mapping[str, str | None]) -> tuple[dict[str, str], list[str]]:
-    """The column of each role, and what had to be assumed to tell; ``time`` is left out where the file has none."""
+def _chosen_columns(
+    path: Path, names: list[str], asked: Mapping[str, str | None], required: Collection[str]
+) -> tuple[dict[str, str], list[str]]:
+    """The column of each role, and what had to be assumed to tell; what is not ``required`` is left out where the file has none."""
     known = {role: name or DEFAULTS[role] for role, name in asked.items() if name or DEFAULTS[role] in names}
     for role, name in known.items():
         _require_column(path, names, name, role)
     guessed = guess_columns(path, names, known, [role for role in asked if role not in known])
-    for role in asked:
-        if role != "time" and role not in known and role not in guessed:
+    for role in required:
+        if role not in known and role not in guessed:
             _require_column(path, names, DEFAULTS[role], role)
     if not guessed:
         return known, []

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from .. import models
 from ..bench.arguments import time_argument
 from ..datasets.base import Recording
-from ..datasets.recording_files import read_recording
+from ..datasets.recording_files import Columns, read_columns, read_recording
 from ..errors import InputError
 from .recording.signals import Signals
 
@@ -37,6 +37,8 @@ def read_inputs(
 ) -> tuple[Signals, Any | None]:
     """Read recordings and what simulates them: one model file for all, or one table of outputs for each.
 
+    A table needs its output only. Where it has times or a deflection as well, they must be the recording's.
+
     Raises
     ------
     InputError
@@ -54,10 +56,11 @@ def read_inputs(
         )
     real, outputs = [], []
     for file, simulated in zip(recordings, simulators, strict=True):
-        recording, sim = read_recording(file, x=x, y=y, time=time), read_recording(simulated, x=x, y=y, time=time)
+        recording = read_recording(file, x=x, y=y, time=time)
+        sim = read_columns(simulated, {"x": x, "y": y}, time, companion=True)
         _check_pair(str(file), recording, str(simulated), sim)
         real.append(recording)
-        outputs.append(sim.y)
+        outputs.append(sim["y"])
     return signals_from(real, outputs, [str(file) for file in recordings]), None
 
 
@@ -66,11 +69,20 @@ def outputs_of(model: Any, recordings: Sequence[Recording]) -> list[Floats]:
     return [np.asarray(model.predict(r.x, **time_argument(model.predict, r.time))) for r in recordings]
 
 
-def _check_pair(file: str, real: Recording, simulated: str, sim: Recording) -> None:
-    if sim.x.size != real.x.size:
+def _check_pair(file: str, real: Recording, simulated: str, sim: Columns) -> None:
+    if sim["y"].size != real.x.size:
         raise InputError(
-            f"{simulated}: {sim.x.size} rows where {file} has {real.x.size}; write the simulator's output at the recording's times"
+            f"{simulated}: {sim['y'].size} rows where {file} has {real.x.size}; write the simulator's output at the recording's times"
         )
+    _check_times(file, real, simulated, sim)
+    if "x" in sim.roles:
+        _check_motion(file, real.x, simulated, sim["x"])
+
+
+def _check_times(file: str, real: Recording, simulated: str, sim: Columns) -> None:
+    if sim.untimed or "untimed" in real.conditions:
+        # Its rows are all that tells where a sample belongs.
+        return
     step = float(np.median(np.diff(real.time)))
     off = np.flatnonzero(np.abs(sim.time - real.time) > 0.25 * step)
     if off.size:
@@ -79,7 +91,10 @@ def _check_pair(file: str, real: Recording, simulated: str, sim: Recording) -> N
             f"{simulated}: row {k + 1} is at {sim.time[k]:.6g} s where {file} is at {real.time[k]:.6g} s; "
             "write the simulator's output at the recording's times"
         )
-    spread = float(np.std(sim.x)), float(np.std(real.x))
+
+
+def _check_motion(file: str, x: Floats, simulated: str, there: Floats) -> None:
+    spread = float(np.std(there)), float(np.std(x))
     if min(spread) > 0.0:
         _check_units(
             simulated,
@@ -88,7 +103,7 @@ def _check_pair(file: str, real: Recording, simulated: str, sim: Recording) -> N
             spread[0] / spread[1],
             {180.0 / np.pi: "deg", np.pi / 180.0: "rad", 1000.0: "mrad or mm"},
         )
-        alike = float(np.corrcoef(sim.x, real.x)[0, 1])
+        alike = float(np.corrcoef(there, x)[0, 1])
         if alike < -MIRRORED:
             raise InputError(
                 f"{simulated}: its deflection is that of {file} with the other sign; turn one of them round"

@@ -287,6 +287,31 @@ def test_a_model_file_is_a_simulator(tmp_path: Path) -> None:
     assert document["verdict"] == ["viscous_friction"]
 
 
+@pytest.mark.parametrize("names", [("time_s", "torque_nm"), ("torque_nm",), ("time_s", "channel", "tau_sim [Nm]")])
+def test_a_simulator_s_table_needs_its_output_only(
+    names: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    recording = signals(viscous)
+    real = tmp_path / "real.csv"
+    write_recording(real, {"t": recording.time, "q": recording.x, "measured [Nm]": recording.y_real})
+    series = {"time_s": recording.time, "channel": recording.time**2}
+    write_recording(tmp_path / "sim.csv", {name: series.get(name, recording.y_sim) for name in names})
+    asked = [
+        "diagnose",
+        str(real),
+        "--sim",
+        str(tmp_path / "sim.csv"),
+        "--x",
+        "q",
+        "--y",
+        "measured [Nm]",
+        "--json",
+        "-",
+    ]
+    assert execute(cli, asked) == 0
+    assert json.loads(capsys.readouterr().out)["verdict"] == ["viscous_friction"]
+
+
 def bad_inputs(folder: Path) -> dict[str, tuple[list[str], str]]:
     recording = signals(viscous)
     real, sim = write_pair(folder, recording)
@@ -298,6 +323,7 @@ def bad_inputs(folder: Path) -> dict[str, tuple[list[str], str]]:
     write_recording(
         folder / "named.csv", {"time_s": recording.time, "channel": recording.x, "torque_nm": recording.y_sim}
     )
+    write_recording(folder / "output.csv", {"time_s": recording.time, "simulated": recording.y_sim})
     write_recording(folder / "milli.csv", {**columns, "torque_nm": 1000.0 * recording.y_sim})
     write_recording(folder / "huge.csv", {**columns, "torque_nm": 1e20 * recording.y_sim})
     write_recording(folder / "mirrored.csv", {**columns, "torque_nm": -recording.y_sim})
@@ -308,7 +334,8 @@ def bad_inputs(folder: Path) -> dict[str, tuple[list[str], str]]:
         "time not shared": ([str(real), "--sim", str(folder / "late.csv")], "row 1 is at 5 s"),
         "degrees": ([str(real), "--sim", str(folder / "degrees.csv")], "deg"),
         "constant": ([str(real), "--sim", str(folder / "still.csv")], "constant"),
-        "wrong column": ([str(real), "--sim", str(folder / "named.csv")], "deflection_rad"),
+        "wrong column": ([str(folder / "named.csv"), "--sim", str(sim)], "deflection_rad"),
+        "no output": ([str(real), "--sim", str(folder / "output.csv")], "torque_nm"),
         "millinewtons": ([str(real), "--sim", str(folder / "milli.csv")], "mN·m"),
         "torque of the other sign": ([str(real), "--sim", str(folder / "mirrored.csv")], "signs were opposite"),
         "deflection of the other sign": ([str(real), "--sim", str(folder / "turned.csv")], "with the other sign"),
@@ -328,6 +355,7 @@ def bad_inputs(folder: Path) -> dict[str, tuple[list[str], str]]:
         "degrees",
         "constant",
         "wrong column",
+        "no output",
         "millinewtons",
         "torque of the other sign",
         "deflection of the other sign",
