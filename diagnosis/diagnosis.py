@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from ..errors import InputError
 from .attribution import locate
@@ -90,6 +91,14 @@ def diagnose(
     effects = known_effects(exclude)
     if not effects:
         raise InputError("every effect is excluded; leave at least one")
+    # Several threads on problems as small as these wait for each other: two diagnoses at once take twice as long with them.
+    with threadpool_limits(limits=1, user_api="blas"):
+        return _diagnosed(signals, model, exclude, effects, seed, fitted)
+
+
+def _diagnosed(
+    signals: Signals, model: Any | None, exclude: Collection[str], effects: Sequence[Effect], seed: int, fitted: bool
+) -> Diagnosis:
     emulator = emulate(signals, model)
     rmse = rms(signals.gap[signals.judged])
     if fitted:

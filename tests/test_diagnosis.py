@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from hystbench import models
 from hystbench.bench.cli import cli
@@ -16,6 +18,7 @@ from hystbench.bench.console import execute
 from hystbench.datasets.recording_files import read_recording, write_recording
 from hystbench.diagnosis import registry
 from hystbench.diagnosis.diagnosis import NEAREST, diagnose
+from hystbench.diagnosis.emulator.emulation import emulate
 from hystbench.diagnosis.recording.signals import COORDINATES, Signals
 from hystbench.diagnosis.result import Diagnosis
 from hystbench.diagnosis.wording import summary
@@ -131,6 +134,23 @@ def test_names_viscous_friction_where_and_how_far(viscous_diagnosis: Diagnosis) 
 def test_no_gap_beyond_the_noise_is_said() -> None:
     found = diagnose(signals(nothing))
     assert found.verdict == []
+
+
+def test_a_diagnosis_takes_one_thread_and_gives_back_what_there_were(monkeypatch: pytest.MonkeyPatch) -> None:
+    def threads() -> set[int]:
+        return {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"}
+
+    seen = set()
+
+    def emulated(*arguments: Any) -> Any:
+        seen.update(threads())
+        return emulate(*arguments)
+
+    monkeypatch.setattr("hystbench.diagnosis.diagnosis.emulate", emulated)
+    with threadpool_limits(limits=2, user_api="blas"):
+        diagnose(signals(viscous))
+        assert threads() == {2}
+    assert seen == {1}
 
 
 def test_a_simulator_that_copies_the_recording_leaves_no_gap() -> None:
