@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
 from ..errors import InputError
@@ -84,7 +84,9 @@ def seconds(column: str) -> float:
     return SECONDS.get(quantity(column)[1], 1.0)
 
 
-def guess_columns(path: Path, names: Sequence[str], known: Mapping[str, str], wanted: Sequence[str]) -> dict[str, str]:
+def guess_columns(
+    path: Path, names: Sequence[str], known: Mapping[str, str], wanted: Sequence[str], dispensable: Collection[str] = ()
+) -> dict[str, str]:
     """Columns for the ``wanted`` roles among those that no ``known`` role has.
 
     Parameters
@@ -97,6 +99,8 @@ def guess_columns(path: Path, names: Sequence[str], known: Mapping[str, str], wa
         Column by role, as far as it is settled.
     wanted : sequence of str
         Of ``time``, ``x`` and ``y``.
+    dispensable : collection of str
+        Those of them that are left out as well where several columns are equally likely.
 
     Returns
     -------
@@ -106,13 +110,15 @@ def guess_columns(path: Path, names: Sequence[str], known: Mapping[str, str], wa
     Raises
     ------
     InputError
-        If several columns are equally likely; the message names them.
+        If several columns are equally likely for a role that is not dispensable; the message names them.
     """
     free = [name for name in names if name not in known.values()]
     found: dict[str, str] = {}
     for role in wanted:
         ranks = {name: rank for name in free if (rank := _rank(name, role)) is not None}
         best = [name for name in ranks if ranks[name] == min(ranks.values())]
+        if len(best) > 1 and role in dispensable:
+            continue
         if len(best) > 1:
             raise InputError(
                 f"{path}: {', '.join(map(repr, best))} may each be the {TITLES[role]}; choose one with --{role} COLUMN"

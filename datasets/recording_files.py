@@ -124,7 +124,7 @@ def read_columns(
         Time column. Where none is named or found samples are numbered.
     companion : bool
         Whether what is named are columns of another file that this one goes with. Those that it lacks are guessed here, and
-        left out where none is found; only ``y`` must be there.
+        left out where none is found or several may be meant; only ``y`` must be there.
 
     Raises
     ------
@@ -136,7 +136,7 @@ def read_columns(
     asked = {"time": time, **columns}
     if companion:
         asked = {role: name if name in table.names else None for role, name in asked.items()}
-    chosen, notes = _chosen_columns(path, table.names, asked, ("y",) if companion else tuple(columns))
+    chosen, notes = _chosen_columns(path, table.names, asked, ("time", "x") if companion else ())
     time = chosen.get("time")
     wanted = {role: table.numbers(chosen[role]) for role in columns if role in chosen}
     rows = next(iter(wanted.values())).size
@@ -376,15 +376,15 @@ def _series(path: Path, arrays: Mapping[str, NDArray[Any]]) -> _Table:
 
 
 def _chosen_columns(
-    path: Path, names: list[str], asked: Mapping[str, str | None], required: Collection[str]
+    path: Path, names: list[str], asked: Mapping[str, str | None], dispensable: Collection[str]
 ) -> tuple[dict[str, str], list[str]]:
-    """The column of each role, and what had to be assumed to tell; what is not ``required`` is left out where the file has none."""
+    """The column of each role, and what had to be assumed to tell; ``time`` and what is ``dispensable`` is left out where the file has none."""
     known = {role: name or DEFAULTS[role] for role, name in asked.items() if name or DEFAULTS[role] in names}
     for role, name in known.items():
         _require_column(path, names, name, role)
-    guessed = guess_columns(path, names, known, [role for role in asked if role not in known])
-    for role in required:
-        if role not in known and role not in guessed:
+    guessed = guess_columns(path, names, known, [role for role in asked if role not in known], dispensable)
+    for role in asked:
+        if role not in ("time", *dispensable, *known, *guessed):
             _require_column(path, names, DEFAULTS[role], role)
     if not guessed:
         return known, []

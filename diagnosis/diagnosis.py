@@ -91,7 +91,7 @@ def diagnose(
     effects = known_effects(exclude)
     if not effects:
         raise InputError("every effect is excluded; leave at least one")
-    # Several threads on problems as small as these wait for each other: two diagnoses at once take twice as long with them.
+    # Several threads on problems as small as these wait for each other: two diagnoses at once take up to three times as long.
     with threadpool_limits(limits=1, user_api="blas"):
         return _diagnosed(signals, model, exclude, effects, seed, fitted)
 

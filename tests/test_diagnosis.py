@@ -307,14 +307,22 @@ def test_a_model_file_is_a_simulator(tmp_path: Path) -> None:
     assert document["verdict"] == ["viscous_friction"]
 
 
-@pytest.mark.parametrize("names", [("time_s", "torque_nm"), ("torque_nm",), ("time_s", "channel", "tau_sim [Nm]")])
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("time_s", "torque_nm"),
+        ("torque_nm",),
+        ("time_s", "channel", "tau_sim [Nm]"),
+        ("time_s", "motor angle", "link angle", "torque_nm"),
+    ],
+)
 def test_a_simulator_s_table_needs_its_output_only(
     names: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     recording = signals(viscous)
     real = tmp_path / "real.csv"
     write_recording(real, {"t": recording.time, "q": recording.x, "measured [Nm]": recording.y_real})
-    series = {"time_s": recording.time, "channel": recording.time**2}
+    series = {"time_s": recording.time} | dict.fromkeys(("channel", "motor angle", "link angle"), recording.time**2)
     write_recording(tmp_path / "sim.csv", {name: series.get(name, recording.y_sim) for name in names})
     asked = [
         "diagnose",
