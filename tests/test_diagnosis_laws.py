@@ -226,15 +226,6 @@ def test_a_stop_that_loses_energy_is_a_stop(side: float) -> None:
     assert found.verdict == ["end_stop"]
 
 
-@pytest.mark.parametrize("side", [1.0, -1.0])
-def test_a_stop_that_a_few_large_swings_press_far_in_is_a_stop(side: float) -> None:
-    time, x = swelling()
-    x = x * (0.2 + 0.8 * np.exp(-np.square((time - 26.0) / 3.0)))
-    depth = np.maximum(side * x - 0.18, 0.0)
-    found = diagnosed(x, joint(x) + side * 5.0 * depth * np.maximum(1.0 + 0.25 * side * np.gradient(x, time), 0.0))
-    assert found.verdict == ["end_stop"]
-
-
 def test_a_clutch_that_slips_in_series_is_a_saturation_with_memory() -> None:
     """Its slip is where the joint carries no more than the clutch holds, solved for at each sample."""
     _, x = swelling()

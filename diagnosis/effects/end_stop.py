@@ -41,13 +41,6 @@ def _damped(side: float) -> Columns:
     return columns
 
 
-def _ends(x: Floats, middle: float, reach: float) -> tuple[list[float], tuple[float, float]]:
-    """Where the upper of two stops may begin to be looked for along a motion (n,), and between which places it may be."""
-    innermost = min(INNERMOST, max(float(np.quantile(x, 1.0 - SELDOM)) - middle, 0.0) / reach)
-    shares = (0.5 * (innermost + SHARES[0]), *SHARES)
-    return [middle + f * reach for f in shares], (middle + innermost * reach, middle + OUTERMOST * reach)
-
-
 def _contact(side: float, power: float | None = None) -> Columns:
     """A stop that loses energy with its depth (Hunt & Crossley), by a power of it that is the last shape if it is not given."""
 
@@ -103,10 +96,6 @@ BUMPERS = (
     ("exponential", "(exp({depth} / thickness) - 1)", _progressive, 0.2),
 )
 """Stops that stiffen as they are pressed: their equation, and the thickness to start from as a share of the reach."""
-SHARES, INNERMOST, OUTERMOST = (0.45, 0.55, 0.65, 0.72, 0.79, 0.85, 0.9, 0.94, 0.97), 0.35, 0.985
-"""Where stops begin to be looked for, and between which places they may be, from the middle of the motion on as a share of its reach."""
-SELDOM = 0.2
-"""Share of the time for which a stop may be met that is farther in: a few large swings do not tell where most of the motion ends."""
 ANY = "Hunt-Crossley of any power"
 TURNED = 0.003
 """Way over which the friction of a stop turns round, over the reach."""
@@ -200,8 +189,10 @@ class EndStop(Effect):
     def forms(self, scene: Scene) -> list[Form]:
         x = scene.signals.smooth_x
         middle, reach = 0.5 * float(x.max() + x.min()), scene.signals.reach
-        up, top = _ends(x, middle, reach)
-        down, bottom = _ends(-x, -middle, reach)
+        shares = (0.45, 0.55, 0.65, 0.72, 0.79, 0.85, 0.9, 0.94, 0.97)
+        up = [middle + f * reach for f in shares]
+        down = [-middle + f * reach for f in shares]
+        top, bottom = (middle + 0.35 * reach, middle + 0.985 * reach), (-middle + 0.35 * reach, -middle + 0.985 * reach)
         span, interval = float(scene.signals.elapsed.max()), scene.signals.interval
         relaxation, soon = (min(4.0 * interval, 0.01 * span), 0.04 * span), 0.01 * span
         made = []
