@@ -117,13 +117,11 @@ def guess_columns(
     for role in wanted:
         ranks = {name: rank for name in free if (rank := _rank(name, role)) is not None}
         best = [name for name in ranks if ranks[name] == min(ranks.values())]
-        if len(best) > 1 and role in dispensable:
-            continue
-        if len(best) > 1:
+        if len(best) > 1 and role not in dispensable:
             raise InputError(
                 f"{path}: {', '.join(map(repr, best))} may each be the {TITLES[role]}; choose one with --{role} COLUMN"
             )
-        if best:
+        if len(best) == 1:
             found[role] = best[0]
     return found
 
