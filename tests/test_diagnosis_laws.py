@@ -226,6 +226,29 @@ def test_a_stop_that_loses_energy_is_a_stop(side: float) -> None:
     assert found.verdict == ["end_stop"]
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_stop_that_a_few_large_swings_press_far_in_is_a_stop(side: float) -> None:
+    time, x = swelling()
+    x = x * (0.2 + 0.8 * np.exp(-np.square((time - 26.0) / 3.0)))
+    depth = np.maximum(side * x - 0.18, 0.0)
+    found = diagnosed(x, joint(x) + side * 5.0 * depth * np.maximum(1.0 + 0.25 * side * np.gradient(x, time), 0.0))
+    assert found.verdict == ["end_stop"]
+
+
+@pytest.mark.parametrize("law", ["upper, rubbing", "lower, rubbing"])
+def test_a_stop_that_rubs_pushes_and_gives_back_no_more_than_it_took(law: str) -> None:
+    time, x = swelling()
+    side = 1.0 if law.startswith("upper") else -1.0
+    signals = Signals(time, x, joint(x), joint(x), [slice(0, x.size)], {})
+    scene = SimulatorScene(signals, emulate(signals, None))
+    (form,) = (form for form in registry.get("end_stop")().forms(scene) if form.name == law)
+    columns = form.columns(scene, (0.1, 1.5))
+    for weights in ((1.0, 0.0), (0.0, 1.0), (1.0, 3.0)):
+        torque = columns @ weights
+        assert np.all(side * torque >= 0.0)
+        assert np.sum(torque[1:] * np.diff(x)) >= -1e-3 * np.max(np.abs(torque))
+
+
 def test_a_clutch_that_slips_in_series_is_a_saturation_with_memory() -> None:
     """Its slip is where the joint carries no more than the clutch holds, solved for at each sample."""
     _, x = swelling()

@@ -41,6 +41,13 @@ def _damped(side: float) -> Columns:
     return columns
 
 
+def _ends(x: Floats, middle: float, reach: float) -> tuple[list[float], tuple[float, float]]:
+    """Where the upper of two stops may begin to be looked for along a motion (n,), and between which places it may be."""
+    innermost = min(INNERMOST, max(float(np.quantile(x, 1.0 - SELDOM)) - middle, 0.0) / reach)
+    shares = (0.5 * (innermost + SHARES[0]), *SHARES)
+    return [middle + f * reach for f in shares], (middle + innermost * reach, middle + OUTERMOST * reach)
+
+
 def _contact(side: float, power: float | None = None) -> Columns:
     """A stop that loses energy with its depth (Hunt & Crossley), by a power of it that is the last shape if it is not given."""
 
@@ -53,12 +60,15 @@ def _contact(side: float, power: float | None = None) -> Columns:
 
 
 def _rubbing(side: float) -> Columns:
-    """A stop that rubs as it is pressed: its flank, or rubber that loses a share of its work however slowly it is pressed."""
+    """A stop that rubs as it is pressed: its flank, or rubber that loses a share of its work however slowly it is pressed.
+
+    It gives back no more than it took and never pulls: what rubs is added to what it gives back while it is pressed.
+    """
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         signals = scene.signals
-        pressed = _depth(scene, side, shape[0]) ** shape[-1]
-        return np.column_stack([side * pressed, pressed * signals.bristle(TURNED * signals.reach)])
+        back = side * _depth(scene, side, shape[0]) ** shape[-1]
+        return np.column_stack([back, back * 0.5 * (1.0 + side * signals.bristle(TURNED * signals.reach))])
 
     return columns
 
@@ -96,6 +106,10 @@ BUMPERS = (
     ("exponential", "(exp({depth} / thickness) - 1)", _progressive, 0.2),
 )
 """Stops that stiffen as they are pressed: their equation, and the thickness to start from as a share of the reach."""
+SHARES, INNERMOST, OUTERMOST = (0.45, 0.55, 0.65, 0.72, 0.79, 0.85, 0.9, 0.94, 0.97), 0.35, 0.985
+"""Where stops begin to be looked for, and between which places they may be, from the middle of the motion on as a share of its reach."""
+SELDOM = 0.2
+"""Share of the time for which a stop may be met that is farther in: a few large swings do not tell where most of the motion ends."""
 ANY = "Hunt-Crossley of any power"
 TURNED = 0.003
 """Way over which the friction of a stop turns round, over the reach."""
@@ -115,9 +129,9 @@ def _lossy(side: str, power: float | str, damping: str) -> str:
 
 
 def _rubs(side: str, rubbing: str, turned: float) -> str:
-    return (
-        f"{'-' * (side == 'lower')}{_term(side, 'power')} + {rubbing} * {DEPTHS[side]}**power * dahl(x, {turned:.8g})"
-    )
+    sign = "-" if side == "lower" else "+"
+    taken = f"{rubbing} * {DEPTHS[side]}**power * (1 {sign} dahl(x, {turned:.8g})) / 2"
+    return f"{'-' * (side == 'lower')}{_term(side, 'power')} {sign} {taken}"
 
 
 def _relaxes(side: str, soft: str) -> str:
@@ -151,7 +165,7 @@ class EndStop(Effect):
     summary: ClassVar[str] = "contact that stiffens the joint beyond a deflection near the end of the stroke"
     equation: ClassVar[str] = (
         "y += k d^p − k' d'^p,  d = max(x − a, 0), d' = max(−x − a', 0), p = 1 or 1.5, or any from 1 to 2.5 where it is damped; damped: + c v or + c d^p v while "
-        "touched, or + r d^p s; relaxing: k d + k2 (d − L), τ dL/dt = d − L; or y += k d / (1 − d/d0) or k (exp(d/d0) − 1)"
+        "touched, or + r d^p (1 + s)/2, s the direction of pressing; relaxing: k d + k2 (d − L), τ dL/dt = d − L; or y += k d / (1 − d/d0) or k (exp(d/d0) − 1)"
     )
     coordinate: ClassVar[str] = "position"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -165,7 +179,13 @@ class EndStop(Effect):
             np.inf,
             "c of the lower stop, where both are touched",
         ),
-        Parameter("rubbing", "N·m/rad^p", 0.0, np.inf, "r, of a stop that rubs, or of the upper one"),
+        Parameter(
+            "rubbing",
+            "N·m/rad^p",
+            0.0,
+            np.inf,
+            "r, by which a stop that rubs is stiffer while it is pressed, or the upper one",
+        ),
         Parameter("rubbing_lower", "N·m/rad^p", 0.0, np.inf, "r of the lower stop, where both are touched"),
         Parameter("relaxing", "N·m/rad", 0.0, np.inf, "k2, stiffness that relaxes, of one stop, or of the upper one"),
         Parameter("relaxing_lower", "N·m/rad", 0.0, np.inf, "the same of the lower stop, where both are touched"),
@@ -189,10 +209,8 @@ class EndStop(Effect):
     def forms(self, scene: Scene) -> list[Form]:
         x = scene.signals.smooth_x
         middle, reach = 0.5 * float(x.max() + x.min()), scene.signals.reach
-        shares = (0.45, 0.55, 0.65, 0.72, 0.79, 0.85, 0.9, 0.94, 0.97)
-        up = [middle + f * reach for f in shares]
-        down = [-middle + f * reach for f in shares]
-        top, bottom = (middle + 0.35 * reach, middle + 0.985 * reach), (-middle + 0.35 * reach, -middle + 0.985 * reach)
+        up, top = _ends(x, middle, reach)
+        down, bottom = _ends(-x, -middle, reach)
         span, interval = float(scene.signals.elapsed.max()), scene.signals.interval
         relaxation, soon = (min(4.0 * interval, 0.01 * span), 0.04 * span), 0.01 * span
         made = []
