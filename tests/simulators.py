@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import erf
 
 import numpy as np
 from joints import sliders
@@ -247,6 +248,40 @@ def maxwell_slip(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 3.0 * (1.0 - e) * x + out
 
 
+def many_slip_elements(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Generalised Maxwell slip of five elements, as dampers' makers write it: their level falls with the speed exponentially."""
+    out, fine = np.zeros(x.size), 10
+    for stiffness, share in ((20.0, 0.1), (17.0, 0.2), (10.0, 0.25), (6.5, 0.25), (3.5, 0.2)):
+        force, slips = 0.0, 0.0
+        for i in range(1, x.size):
+            step = (x[i] - x[i - 1]) / fine
+            level = share * (1.0 + e) * (1.2 + 0.5 * np.exp(-abs(step) * fine / INTERVAL / 0.4))
+            for _ in range(fine):
+                if slips != 0.0 and slips == np.sign(step):
+                    force += slips * 14.0 * (level - abs(force)) * INTERVAL / fine
+                else:
+                    force, slips = force + (1.0 - e) * stiffness * step, 0.0
+                    if abs(force) >= level and force * step > 0.0:
+                        slips = np.sign(step)
+            out[i] += force
+    return 3.0 * (1.0 - e) * x + out
+
+
+def superelastic(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """A wire of shape memory alloy beside a return spring, in small steps from rest where it begins."""
+    out, fine, stiffness = np.zeros(x.size), 20, 12.0
+    force = 0.0
+    for i in range(1, x.size):
+        step = (x[i] - x[i - 1]) / fine
+        for k in range(fine):
+            place = x[i - 1] + step * (k + 1)
+            back = 0.15 * (stiffness * place - force + 0.6 * (1.0 - e) * stiffness * erf(4.0 * place))
+            over = (force - back) / (1.6 * (1.0 + e))
+            force += stiffness * (step - abs(step) * over * abs(over) ** 1.6)
+        out[i] = force
+    return 0.8 * (1.0 - e) * x + out
+
+
 def drive_line(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """A drive line of a block diagram: damped contact beyond a clearance, and friction by a formula, strongest at breakaway."""
     speed = np.gradient(x, time)
@@ -428,6 +463,8 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "two-sided": (two_sided, 0.005),
     "late and two-sided": (late_and_two_sided, 0.005),
     "Maxwell slip": (maxwell_slip, 0.01),
+    "many slip elements": (many_slip_elements, 0.005),
+    "superelastic": (superelastic, 0.001),
     "drive line": (drive_line, 0.01),
     "rolling": (rolling, 0.005),
     "leaves": (leaves, 0.001),

@@ -20,13 +20,15 @@ from hystbench.diagnosis.corrected import CorrectedSimulator
 from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.emulator import generalised
 from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
-from hystbench.diagnosis.emulator.generalised import Generalised, predict_generalised, spring_of
+from hystbench.diagnosis.emulator.generalised import Generalised, motion_of, predict_generalised, spring_of
 from hystbench.diagnosis.emulator.kinds import KINDS
 from hystbench.diagnosis.emulator.motion import Extent, Motion
+from hystbench.diagnosis.emulator.placing import Placing
 from hystbench.diagnosis.operators.levels import attracted
 from hystbench.diagnosis.operators.masses import held_by_load
 from hystbench.diagnosis.operators.memory import held_inside, hyperbolic
 from hystbench.diagnosis.operators.smooth_loops import pinched, smooth
+from hystbench.diagnosis.operators.superelastic import superelastic
 from hystbench.diagnosis.recording.noise import rms
 from hystbench.diagnosis.recording.signals import Signals, differentiate
 from hystbench.errors import InputError
@@ -386,6 +388,43 @@ def test_spring_that_is_held_by_a_load_stays_bounded_however_slowly_it_is_sample
     x = 0.5 * np.sin(1.9 * time) + 0.3 * np.sin(13.0 * time)
     found = held_by_load(time, x, 0.01, 200.0, 0.3, 0.05, 5.0, 12.0, 0.01, by_speed=by_speed)
     assert np.max(np.abs(found)) < 20.0
+
+
+@pytest.mark.parametrize(
+    "sizes", [*itertools.product((0.003, 1.8), (1.0, 8.0), (0.003, 3.0), (0.003, 4.5), (0.3, 50.0))]
+)
+def test_superelastic_wire_stays_bounded_whatever_its_sizes(sizes: tuple[float, ...]) -> None:
+    _, x = motion(60.0, 0.0, 1.0, 2.0)
+    length, _, after, tail, _ = sizes
+    force = superelastic(x + 0.8, *sizes)
+    # Between its bounds about the back stress, or elastic before it is at them.
+    assert np.max(np.abs(force)) < after * np.max(np.abs(x + 0.8)) + tail + 2.0 * (1.0 + after) * (length + 0.1)
+
+
+def test_superelastic_wire_does_not_know_how_it_is_sampled() -> None:
+    _, x = motion(60.0, 0.0, 1.0, 2.0)
+    finer = np.interp(np.arange(0.0, x.size - 1, 0.05), np.arange(x.size), x)
+    sizes = 0.13, 2.6, 0.15, 0.1, 4.0
+    force = superelastic(x, *sizes)
+    assert superelastic(finer, *sizes)[::20] == pytest.approx(force[:-1], abs=2e-4 * np.std(force))
+
+
+def test_elements_that_share_sizes_are_not_placed_with_the_wrong_sign() -> None:
+    signals = recorded(two_sliders)
+    along, kind = motion_of(signals), KINDS["a few slip elements"]
+    extent = Extent(signals.reach, float(np.std(signals.speed)), INTERVAL, 60.0)
+    sizes = np.array([[0.05, 0.6, 0.4, 0.05, 1.0], [0.2, 0.6, 0.4, 0.05, 1.0], [0.5, 0.6, 0.4, 0.05, 1.0]])
+    target = kind.columns(along, sizes) @ [3.0, 2.0, 1.0]
+    beside = np.ones((target.size, 1))
+    # Something else as well, or a few elements would do.
+    other = 0.005 * np.std(target) * np.sin(40.0 * signals.x)
+    for sign in (1.0, -1.0):
+        found = Placing(extent, along, target + other, sign).placed({"a few slip elements": kind}, beside)
+        assert len(found) == (sign > 0.0)
+    (found,) = Placing(extent, along, target, 1.0).placed({"a few slip elements": kind}, beside).values()
+    assert found[:, 1:] == pytest.approx(np.tile(sizes[0, 1:], (len(found), 1)), rel=0.03)
+    for place in sizes[:, 0]:
+        assert np.min(np.abs(found[:, 0] / place - 1.0)) < 0.03
 
 
 def test_model_file_keeps_further_elements_and_tells_what_is_wrong_with_them() -> None:

@@ -333,6 +333,8 @@ def with_law(name: str) -> tuple[str, Floats]:
         ) * way
     if name == "by elastic torque, driving and driven, pressed slider":
         return "load_dependent_friction", joint(x) + pressed(x, 0.1 * np.abs(spring) * worse + 1e-9)
+    if name == "elastic torque, lower side, ramped":
+        return "stiffness_asymmetry", joint(x) - 0.2 * spring * np.interp(-x, [0.0, 0.4], [0.0, 1.0])
     # Lagrange's equation of an inertia that changes as a cosine.
     inertia, slope = 1.0 + 0.5 * np.cos(1.5 * x), -0.75 * np.sin(1.5 * x)
     return "inertia", joint(x) + 0.03 * (inertia * acceleration + 0.5 * slope * speed**2)
@@ -346,6 +348,7 @@ def with_law(name: str) -> tuple[str, Floats]:
         "stiffness, viscous heating",
         "by elastic torque, driving and driven, presliding",
         "by elastic torque, driving and driven, pressed slider",
+        "elastic torque, lower side, ramped",
         "of a symmetric mechanism",
     ],
 )

@@ -64,6 +64,15 @@ def _rounded(side: float, part: Callable[[Scene], Floats]) -> Columns:
     return columns
 
 
+def _ramped(side: float) -> Columns:
+    """The spring, whose relative change grows on one side (±1) up to a place and stays there."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        return (scene.spring * np.clip(side * scene.signals.smooth_x / shape[0], 0.0, 1.0))[:, None]
+
+    return columns
+
+
 def _from_place(side: float) -> Columns:
     """Stiffer from a place on that is not the zero, on the side of ±1 of it; all of the change is rounded."""
 
@@ -134,7 +143,7 @@ class StiffnessAsymmetry(Effect):
     title: ClassVar[str] = "stiffness asymmetry"
     summary: ClassVar[str] = "stiffer on one side than on the other (unequal springs, one-sided contact)"
     equation: ClassVar[str] = (
-        "y += k max(±x, 0), k |x| (sharp or rounded), the first also from another place on, k2 x² (also on one side, there beside k), Y (±x/X)^p on one side of the stroke X, g y_sim or its elastic part on one side, under torque of one sign, in proportion to x or of opposite sign "
+        "y += k max(±x, 0), k |x| (sharp or rounded), the first also from another place on, k2 x² (also on one side, there beside k), Y (±x/X)^p on one side of the stroke X, g y_sim or its elastic part on one side (also growing up to a place), under torque of one sign, in proportion to x or of opposite sign "
         "on both, or x → x + s max(±x, 0)"
     )
     coordinate: ClassVar[str] = "position"
@@ -155,6 +164,7 @@ class StiffnessAsymmetry(Effect):
         Parameter("extra_torque", "N·m", -np.inf, np.inf, "Y, of one side at the stroke's end"),
         Parameter("power", "1", 1.2, 5.0, "p, with which that grows"),
         Parameter("place", "rad", -np.inf, np.inf, "from which on it is stiffer, where that is not the zero"),
+        Parameter("ramp", "rad", 0.0, np.inf, "deflection up to which that difference grows"),
         Parameter("knee", "rad", 0.0, np.inf, "width over which the stiffness changes"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("end_stop", "deflection_offset", "torque_gain")
@@ -208,6 +218,12 @@ class StiffnessAsymmetry(Effect):
             Form(f"hardening, {told}", ("extra_torque",), _hardening_by(side), *free, ("power",), (), [(1.2, 5.0)],
                  (f"quadratic, {told}",), lambda shape, coefficients: (2.5,),
                  equation=f"y += {sign}extra_torque * (maximum({sign}x, 0) / {reach:.8g})**power")
+            for side, sign, told in SIDES
+        ]  # fmt: skip
+        made += [
+            Form(f"elastic torque, {told}, ramped", ("extra_gain",), _ramped(side), *gain, ("ramp",), (),
+                 [(0.05 * reach, reach)], (f"elastic torque, {told}",), lambda shape, coefficients: (0.4 * reach,),
+                 equation=f"y += extra_gain * y_spring * minimum(maximum({sign}x / ramp, 0), 1)")
             for side, sign, told in SIDES
         ]  # fmt: skip
         middle = 0.5 * float(scene.signals.smooth_x.min() + scene.signals.smooth_x.max())

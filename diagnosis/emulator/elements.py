@@ -77,7 +77,9 @@ def tangents(further: Further, motion: Motion) -> tuple[Floats, Floats]:
             # at a quotient of two of them, which may be off by twice as much.
             bulk.append(torque)
             for at in np.setdiff1d(np.arange(kind.width), kind.exact).tolist():
-                if at in kind.corners:
+                if at in kind.shared:
+                    bulk.append((_stretched(kind, motion, sizes, at) @ weights)[:, None])
+                elif at in kind.corners:
                     bulk += _either_way(kind, motion, sizes, weights, at, MOVED, 2.0 * MOVED)
                 else:
                     bulk.append(_stretched(kind, motion, sizes, at) * weights)

@@ -45,6 +45,7 @@ from .single_elements import (
     stops,
     stribeck,
     stronger_at_rest,
+    wire,
 )
 
 __all__ = ["ELASTIC", "KINDS", "KINKS", "MEMORY", "RATE", "Kind"]
@@ -89,6 +90,8 @@ class Kind:
         Which sizes no simulator has wrong, such as how many teeth there are.
     signed : sequence of int
         Which sizes may be negative: places.
+    shared : sequence of int
+        Which sizes are the same for all elements.
     by_speed : bool
         Whether it knows the speed, sharply enough to tell how that was made of the deflection.
     all_along : bool
@@ -111,6 +114,7 @@ class Kind:
     corners: Sequence[int] = (0,)
     exact: Sequence[int] = ()
     signed: Sequence[int] = ()
+    shared: Sequence[int] = ()
     by_speed: bool = False
     all_along: bool = False
     last: bool = False
@@ -168,14 +172,17 @@ def _stribeck_sizes(extent: Extent) -> Floats:
 
 
 def _slip_elements(column: Callable[..., Floats]) -> Kind:
-    others = tuple(itertools.product((0.2, 0.6, 2.0), (0.4,), (1.0, 8.0)))
+    others = tuple(itertools.product((0.2, 0.6, 2.0), (0.4,), (1.0, 8.0), (1.5,)))
     return Kind(
         MEMORY, True,
-        lambda extent: np.asarray(extent.sticky * _with(np.geomspace(0.003, 0.3, 6), *others)),
+        lambda extent: np.asarray(extent.slipping * _with(np.geomspace(0.003, 0.7, 9), *others)),
         _by_row(column),
         {3: (0.0, np.inf)},
         timed=True,
-        limits=lambda extent: np.asarray(extent.sticky * [[0.001, 0.003, 0.02, 0.05], [1.0, 5.0, 6.0, 100.0]]),
+        limits=lambda extent: np.asarray(extent.slipping * [[0.001, 0.003, 0.02, 0.05, 0.5], [1.0, 5.0, 6.0, 100.0, 3.0]]),
+        exact=(4,),
+        # They rub in the same grease.
+        shared=(1, 2, 3, 4),
         by_speed=True,
     )  # fmt: skip
 
@@ -319,6 +326,15 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
             [0.02 * extent.reach, 1.0, 0.3, 0.02, 0.005, 0.08], [3.0 * extent.reach, 4.0, 1.5, 0.95, 0.9, 1.5],
         ]),
     ),
+    # Wires and hinges of shape memory alloy: Graesser and Cozzarelli (J. Eng. Mech. 117, 1991).
+    "a few superelastic wires": Kind(
+        MEMORY, True,
+        lambda extent: extent.wire * _with(
+            np.array([0.05, 0.1, 0.2, 0.4]), *itertools.product((2.0,), (0.1,), (0.03, 0.1, 0.3), (2.0, 4.0, 8.0))
+        ),
+        _by_row(wire),
+        limits=lambda extent: extent.wire * [[0.003, 1.0, 0.003, 0.003, 0.3], [2.0, 8.0, 3.0, 5.0, 50.0]],
+    ),
     # Dampers of magnetorheological fluid with their accumulator: Spencer et al. (J. Eng. Mech. 123, 1997).
     "a few sliders behind dashpots": Kind(
         MEMORY, True,
@@ -382,10 +398,11 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     ),
     "a few Stribeck sliders": Kind(
         MEMORY, True,
-        lambda extent: np.insert(_stribeck_sizes(extent), 3, 0.03 * extent.interval, axis=1),
+        lambda extent: np.insert(_stribeck_sizes(extent), [3, 3], [0.03 * extent.interval, 2.0], axis=1),
         _by_row(stribeck),
-        limits=lambda extent: extent.sticky * [[0.001, 0.003, 0.02, 0.003], [1.0, 5.0, 6.0, 30.0]],
-        later=(3,),
+        limits=lambda extent: extent.slipping * [[0.001, 0.003, 0.02, 0.003, 0.5], [1.0, 5.0, 6.0, 30.0, 3.0]],
+        later=(3, 4),
+        exact=(4,),
         by_speed=True,
     ),
     # Generalised Maxwell slip: Lampaert, Al-Bender and Swevers (Physics and Control, 2003).

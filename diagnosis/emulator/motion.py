@@ -153,6 +153,16 @@ class Extent:
         return np.array([self.reach, self.fast, 1.0, self.interval])
 
     @property
+    def slipping(self) -> Floats:
+        """The same where the power is told by which the level falls with speed; shape (5,)."""
+        return np.array([*self.sticky, 1.0])
+
+    @property
+    def wire(self) -> Floats:
+        """The same of a superelastic wire: rad, 1, 1, rad, 1/rad; shape (5,)."""
+        return np.array([self.reach, 1.0, 1.0, self.reach, 1.0 / self.reach])
+
+    @property
     def dashed(self) -> Floats:
         """The same of a slider behind a dashpot: rad, 1, 1, s, s, 1; shape (6,)."""
         return np.array([self.reach, 1.0, 1.0, self.interval, self.interval, 1.0])

@@ -17,8 +17,8 @@ from .selection import CLEARLY, EXACT, WORTHWHILE
 __all__ = ["Placing"]
 
 Floats = NDArray[np.float64]
-MOST = 4
-"""Elements that are placed at most."""
+MOST, MANY = 4, 8
+"""Elements that are placed at most; and of those that share all sizes but one."""
 STARTS = 2
 """Elements to choose from at which each begins."""
 ALIKE = 0.8
@@ -35,6 +35,8 @@ RIDGE = 1e-8
 HOPELESS, COSTLY, HIDDEN = 0.97, 0.95, 0.9
 """What the best element to choose from leaves of the error where moving it is not worth the time; of the first of those that know
 time, and of kinds that would be evident."""
+EVIDENTLY = 0.65
+"""What one more element of the latter must leave of the error at most."""
 RICH, POOR = 8, 0.01
 """From so many sizes on an element is looked for only where so much of the error is left."""
 
@@ -73,7 +75,7 @@ class Placing:
         size = max(float(np.std(self._target)), 1e-300) * np.sqrt(len(others))
         goal = beyond(self._target[rows, None])[:, 0] / size
 
-        def maker_of(name: str, kind: Kind) -> _Maker:
+        def maker_of(name: str, kind: Kind, wanted: float) -> _Maker:
             made = self._columns_of(kind)
             assert kind.limits is not None
             limits = kind.limits(self._extent)
@@ -82,7 +84,7 @@ class Placing:
                 self._choices[name] = sizes, made(sizes)
             sizes, columns = self._choices[name]
             sign = self._sign if kind.one_sign else 0.0
-            return _Maker(kind, limits, (sizes, beyond(columns)), lambda sizes: beyond(made(sizes)), goal, sign)
+            return _Maker(kind, limits, (sizes, beyond(columns)), lambda sizes: beyond(made(sizes)), goal, sign, wanted)
 
         better: dict[str, Floats] = {}
         least = float(np.linalg.norm(goal))
@@ -92,8 +94,9 @@ class Placing:
             if kind.width >= RICH and least < POOR:
                 # It would take most of the time for what is small already.
                 continue
-            sizes, error = maker_of(name, kind).made()
-            if sizes.size and error < (1.0 if kind.last else CLEARLY) * least:
+            wanted = (1.0 if kind.last else CLEARLY) * least
+            sizes, error = maker_of(name, kind, wanted).made()
+            if sizes.size and error < wanted:
                 better[name], least = sizes, error
         return better
 
@@ -131,16 +134,22 @@ class _Maker:
         columns: Callable[[Floats], Floats],
         goal: Floats,
         sign: float,
+        wanted: float,
     ) -> None:
         self._signed, self._unit = np.isin(np.arange(kind.width), kind.signed), limits[1]
         self._low, self._high = self._logs(limits)
         self._first = ~np.isin(np.arange(self._low.size), kind.later)
+        self._shared, self._most = list(kind.shared), MANY if kind.shared else MOST
         self._hopeless_at_first = HIDDEN if kind.evident else COSTLY if kind.timed else HOPELESS
+        self._worthwhile = EVIDENTLY if kind.evident else WORTHWHILE
         self._starts, self._tried = self._logs(choices[0]), choices[1]
         self._goal = goal
         self._sign = sign
+        self._wanted = wanted
         # From one derivative to the next only the sizes of one element differ.
-        self._column = functools.lru_cache(maxsize=2 * MOST)(lambda logs: columns(self._sizes(np.array(logs)))[:, 0])
+        self._column = functools.lru_cache(maxsize=2 * self._most)(
+            lambda logs: columns(self._sizes(np.array(logs)))[:, 0]
+        )
         self._at = np.full(1, np.nan)
 
     def _columns(self, logs: Floats) -> Floats:
@@ -161,17 +170,37 @@ class _Maker:
 
     def made(self) -> tuple[Floats, float]:
         """Sizes (k, m) of as many elements as are worthwhile, and the error that they leave."""
-        logs, error = np.empty(0), float(np.linalg.norm(self._goal))
-        for _ in range(MOST):
-            more, smaller = self._added(logs)
-            if smaller > WORTHWHILE * error:
-                break
-            logs, error = more, smaller
-            if error < EXACT:
-                break
+        logs, error = self._grown(np.empty(0), float(np.linalg.norm(self._goal)))
+        if self._shared and logs.size > self._low.size and error > EXACT:
+            # What they share is not found by a few of them where there are many.
+            begun = self._at_once()
+            if begun.size:
+                together = self._grown(*self._moved(begun, STEPS, self._first))
+                logs, error = min((logs, error), together, key=lambda found: found[1])
         if logs.size and error > EXACT:
             logs, error = self._moved(logs, MORE, np.ones(self._low.size, dtype=bool))
         return self._of_one_sign(logs, error) if logs.size and self._sign else (self._sizes(logs), error)
+
+    def _grown(self, logs: Floats, error: float) -> tuple[Floats, float]:
+        """Elements to which others are added as long as each helps much: logarithms of sizes (any,), and the error that they leave."""
+        best = 1.0
+        for others in reversed(range(self._most - logs.size // self._low.size)):
+            more, smaller = self._added(logs)
+            if smaller > self._worthwhile * error:
+                break
+            logs, error, best = more, smaller, min(best, smaller / error)
+            # So many others as good as the best so far would not make it.
+            if error < EXACT or error * best**others > self._wanted:
+                break
+        return logs, error
+
+    def _at_once(self) -> Floats:
+        """Those to choose from that share what they do and help most together: logarithms of sizes (any,)."""
+        _, group = np.unique(self._starts[:, self._shared], axis=0, return_inverse=True)
+        groups = [np.flatnonzero(group.ravel() == k) for k in range(int(group.max()) + 1)]
+        found = [nnls(self._sign * self._tried[:, members], self._goal) for members in groups]
+        k = int(np.argmin([left for _, left in found]))
+        return np.asarray(self._starts[groups[k][found[k][0] > 0.0]].ravel())
 
     def _sizes(self, logs: Floats) -> Floats:
         rows = logs.reshape(-1, self._unit.size)
@@ -189,35 +218,42 @@ class _Maker:
 
     def _moved(self, logs: Floats, steps: tuple[int, float], moving: NDArray[np.bool_]) -> tuple[Floats, float]:
         """Those sizes of each element that are ``moving`` (m,) moved from ``logs`` (any,) on in so many steps (see ``STEPS``), and the error."""
-        count = logs.size // self._low.size
-        which, made = np.tile(moving, count), logs.copy()
-        within = np.tile(self._low, count)[which], np.tile(self._high, count)[which]
+        rows = logs.reshape(-1, self._low.size).copy()
+        which = np.tile(moving, (len(rows), 1))
+        which[1:, self._shared] = False
+        within = np.tile(self._low, (len(rows), 1))[which], np.tile(self._high, (len(rows), 1))[which]
 
         def at(moved: Floats) -> Floats:
-            made[which] = moved
-            return made
+            rows[which] = moved
+            rows[:, self._shared] = rows[0, self._shared]
+            return rows
 
         def left(moved: Floats) -> Floats:
-            return self._left(at(moved))
+            return self._left(at(moved).ravel())
 
         def slopes(moved: Floats) -> Floats:
-            return self._slopes(at(moved).reshape(count, -1), moving)
+            return self._slopes(at(moved), which)
 
-        found, error = least(left, slopes, logs[which], within, steps[0], ftol=steps[1])
-        return at(found), float(np.linalg.norm(error))
+        found, error = least(left, slopes, rows[which], within, steps[0], ftol=steps[1])
+        return at(found).ravel(), float(np.linalg.norm(error))
 
-    def _slopes(self, logs: Floats, moving: NDArray[np.bool_]) -> Floats:
+    def _slopes(self, logs: Floats, which: NDArray[np.bool_]) -> Floats:
         """Slopes of what is left by each size that moves (rows, any), their weights held (Kaufman, BIT 15, 1975)."""
         columns, own, upper = self._factors(logs)
         weights = np.linalg.lstsq(upper, own.T @ self._goal, rcond=None)[0]
         # Towards the farther limit.
         steps = np.where(2.0 * logs < self._low + self._high, WIDE, -WIDE)
-        changes = [
-            weight * (self._column(tuple(there)) - column) / step[at]
-            for column, weight, row, step in zip(columns.T, weights, logs, steps, strict=True)
-            for at, there in zip(np.flatnonzero(moving), (row + np.diag(step))[moving].tolist(), strict=True)
-        ]
-        made = np.column_stack(changes)
+
+        def change(k: int, at: int) -> Floats:
+            there = logs[k].copy()
+            there[at] += steps[k, at]
+            return np.asarray(weights[k] * (self._column(tuple(there.tolist())) - columns[:, k]) / steps[k, at])
+
+        everyone = range(len(logs))
+        made = np.column_stack([
+            np.sum([change(other, at) for other in everyone], axis=0) if at in self._shared else change(k, at)
+            for k, at in np.argwhere(which).tolist()
+        ])  # fmt: skip
         return np.asarray(own @ (own.T @ made) - made)
 
     def _added(self, logs: Floats) -> tuple[Floats, float]:
@@ -230,10 +266,14 @@ class _Maker:
         hopeless = HOPELESS if logs.size else self._hopeless_at_first
         if np.max(gain) < (1.0 - hopeless**2) * error**2:
             return logs, error
-        found = [
-            self._moved(np.concatenate([logs, self._starts[at]]), STEPS, self._first) for at in _unlike(beyond, gain)
-        ]
+        found = [self._moved(self._begun(logs, at), STEPS, self._first) for at in _unlike(beyond, gain)]
         return min(found, key=lambda each: each[1])
+
+    def _begun(self, logs: Floats, at: int) -> Floats:
+        """Those elements and one more to choose from, which shares what they share."""
+        rows = np.vstack([logs.reshape(-1, self._low.size), self._starts[at]])
+        rows[:, self._shared] = rows[0, self._shared]
+        return rows.ravel()
 
 
 def _unlike(columns: Floats, gain: Floats) -> list[int]:

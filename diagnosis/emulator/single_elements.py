@@ -13,6 +13,7 @@ from scipy.special import expit
 
 from ..operators.levels import attracted, yielding
 from ..operators.memory import enveloped, hyperbolic, lagged, lowpass, plays
+from ..operators.superelastic import superelastic
 from .motion import Motion
 
 __all__ = [
@@ -40,6 +41,7 @@ __all__ = [
     "stops",
     "stribeck",
     "stronger_at_rest",
+    "wire",
 ]
 
 Floats = NDArray[np.float64]
@@ -90,30 +92,51 @@ def rubber(motion: Motion, length: float) -> Floats:
     return length * motion.from_rest(hyperbolic, length=length)
 
 
-def _level(motion: Motion, pace: float, excess: float) -> Floats:
-    """The Stribeck curve: it falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1."""
-    return np.asarray(1.0 + excess * np.exp(-np.square(motion.speed / pace)))
+def _level(motion: Motion, pace: float, excess: float, power: float) -> Floats:
+    """The Stribeck curve: it falls with a ``power`` of the speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1."""
+    return np.asarray(1.0 + excess * np.exp(-_power(np.abs(motion.speed / pace), power)))
 
 
-def stribeck(motion: Motion, length: float, pace: float, excess: float, damping: float = 0.0) -> Floats:
+def stribeck(
+    motion: Motion, length: float, pace: float, excess: float, damping: float = 0.0, power: float = 2.0
+) -> Floats:
     """A LuGre element that yields at a level which falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1.
 
-    Its bristles resist their own speed by ``damping`` (s) times their stiffness.
+    Its bristles resist their own speed by ``damping`` (s) times their stiffness; the level falls with a ``power`` of the speed.
     """
-    level = _level(motion, pace, excess)
+    level = _level(motion, pace, excess, power)
     bristle = motion.from_rest(yielding, level, length=length)
     bending = motion.speed - np.abs(motion.speed) * bristle / level
     return length * bristle + damping * bending
 
 
 def slipping(
-    motion: Motion, length: float, pace: float, excess: float, settling: float, sudden: bool = False
+    motion: Motion,
+    length: float,
+    pace: float,
+    excess: float,
+    settling: float,
+    power: float = 2.0,
+    sudden: bool = False,
 ) -> Floats:
-    """A Maxwell slip element that holds at a level which falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1."""
-    level = _level(motion, pace, excess)
+    """A Maxwell slip element that holds at a level which falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1.
+
+    By a ``power`` of the speed.
+    """
+    level = _level(motion, pace, excess, power)
     return motion.from_rest(
         lambda x, time, level: attracted(time, x, level, length, settling, sudden), motion.time, level
     )
+
+
+def wire(motion: Motion, length: float, power: float, after: float, tail: float, steepness: float) -> Floats:
+    """A superelastic wire, which knows where it is also where its memory begins elsewhere."""
+
+    def answer(path: Floats, x: Floats) -> Floats:
+        begun = float(x[-1] - path[-1])
+        return superelastic(path + begun, length, power, after, tail, steepness, begun)
+
+    return motion.from_rest(answer, motion.x)
 
 
 def _late(motion: Motion, series: Floats, constant: float) -> Floats:
