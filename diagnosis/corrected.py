@@ -153,6 +153,11 @@ class CorrectedSimulator(HysteresisModel):
                 model.predict(x, **time_argument(model.predict, interval * np.arange(x.size, dtype=np.float64)))
             )
         self._effects = [(registry.get(entry["effect"])(), entry) for entry in self.parameters_["effects"]]
+        for effect, entry in self._effects:
+            if entry["form"] in effect.former:
+                raise InputError(
+                    f"the law '{entry['form']}' of {effect.id} is written otherwise since this file was made: diagnose the recording again"
+                )
 
     def _motion(self, x: Floats) -> Motion:
         """The motion with speed and acceleration from samples up to each one."""

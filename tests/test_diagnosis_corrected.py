@@ -133,13 +133,16 @@ def test_wear_by_every_turn_goes_on_where_there_are_few() -> None:
     assert closed_by(corrected.predict(slow), worn(time, slow), joint(slow)) > 0.6
 
 
-def test_a_corrected_simulator_whose_sizes_are_no_sizes_is_refused() -> None:
+def test_a_corrected_simulator_whose_sizes_or_laws_are_none_is_refused() -> None:
     time, x = motion(0.31, 1.13)
     found = diagnosed(damped(time, x), joint(x), time, x)
     made = corrected_simulator(found, calibrated(found, None))
     for wrong in ({"reach": 1.0}, {**made.parameters_["sizes"], "stroke": -1.0}, [1.0, 2.0, 3.0]):
         with pytest.raises(InputError, match="parameter sizes must"):
             type(made).from_parameters(**{**made.parameters_, "sizes": wrong})
+    stop = {"effect": "end_stop", "form": "upper, rubbing", "shape": [0.5, 1.0], "coefficients": [1.0, 0.5]}
+    with pytest.raises(InputError, match="'upper, rubbing' of end_stop is written otherwise"):
+        type(made).from_parameters(**{**made.parameters_, "effects": [stop]})
     # Files from before sizes were told.
     type(made).from_parameters(**{name: value for name, value in made.parameters_.items() if name != "sizes"})
 

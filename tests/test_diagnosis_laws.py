@@ -235,7 +235,7 @@ def test_a_stop_that_a_few_large_swings_press_far_in_is_a_stop(side: float) -> N
     assert found.verdict == ["end_stop"]
 
 
-@pytest.mark.parametrize("law", ["upper, rubbing", "lower, rubbing"])
+@pytest.mark.parametrize("law", ["upper, lossy", "lower, lossy"])
 def test_a_stop_that_rubs_pushes_and_gives_back_no_more_than_it_took(law: str) -> None:
     time, x = swelling()
     side = 1.0 if law.startswith("upper") else -1.0

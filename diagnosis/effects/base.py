@@ -222,6 +222,8 @@ class Effect:
     """Simpler effects that are special cases: where they do nearly as well, they are named instead."""
     image_of: ClassVar[tuple[str, ...]] = ()
     """Effects of which its laws may be images, and are where their shapes run to a border."""
+    former: ClassVar[tuple[str, ...]] = ()
+    """Names of laws that older files hold and that are written otherwise now."""
 
     clock: ClassVar[str] = ""
     """The one of ``CLOCKS`` with which it goes on, if its laws say how."""

@@ -128,9 +128,9 @@ def _lossy(side: str, power: float | str, damping: str) -> str:
     return f"{'-' * (side == 'lower')}{_term(side, power)} + {damping} * v * {touched}"
 
 
-def _rubs(side: str, rubbing: str, turned: float) -> str:
+def _rubs(side: str, lost: str, turned: float) -> str:
     sign = "-" if side == "lower" else "+"
-    taken = f"{rubbing} * {DEPTHS[side]}**power * (1 {sign} dahl(x, {turned:.8g})) / 2"
+    taken = f"{lost} * {DEPTHS[side]}**power * (1 {sign} dahl(x, {turned:.8g})) / 2"
     return f"{'-' * (side == 'lower')}{_term(side, 'power')} {sign} {taken}"
 
 
@@ -180,13 +180,13 @@ class EndStop(Effect):
             "c of the lower stop, where both are touched",
         ),
         Parameter(
-            "rubbing",
+            "lost_stiffness",
             "N·m/rad^p",
             0.0,
             np.inf,
             "r, by which a stop that rubs is stiffer while it is pressed, or the upper one",
         ),
-        Parameter("rubbing_lower", "N·m/rad^p", 0.0, np.inf, "r of the lower stop, where both are touched"),
+        Parameter("lost_stiffness_lower", "N·m/rad^p", 0.0, np.inf, "r of the lower stop, where both are touched"),
         Parameter("relaxing", "N·m/rad", 0.0, np.inf, "k2, stiffness that relaxes, of one stop, or of the upper one"),
         Parameter("relaxing_lower", "N·m/rad", 0.0, np.inf, "the same of the lower stop, where both are touched"),
         Parameter("time_constant", "s", 0.0, np.inf, "τ, in which it does"),
@@ -202,6 +202,8 @@ class EndStop(Effect):
         Parameter("lower", "rad", -np.inf, np.inf, "−deflection a' at which the lower stop is touched"),
     )
     confused_with: ClassVar[tuple[str, ...]] = ("stiffness_asymmetry", "torque_saturation", "miscalibration")
+    # Their second coefficient was a friction that might have pulled.
+    former: ClassVar[tuple[str, ...]] = ("upper, rubbing", "lower, rubbing", "both, rubbing")
 
     def imitates(self, signal: Floats, scene: Scene) -> Collection[str]:
         return ("stiffness_asymmetry",) if is_one_sided_stiffness(signal, scene) else ()
@@ -235,9 +237,9 @@ class EndStop(Effect):
                 Form(f"{told}, {ANY}", names, _contact(side), (0.0, 0.0), (np.inf, np.inf), (told, "power"), (),
                      [limits, POWERS], (told, f"{told}, Hertz", f"{told}, damped", f"{told}, Hunt-Crossley"),
                      lambda shape, _: (*shape, 1.25), equation=f"y += {_lossy(told, 'power', 'damping')}"),
-                Form(f"{told}, rubbing", (names[0], "rubbing"), _rubbing(side), (0.0, 0.0), (np.inf, np.inf), (told, "power"), (),
+                Form(f"{told}, lossy", (names[0], "lost_stiffness"), _rubbing(side), (0.0, 0.0), (np.inf, np.inf), (told, "power"), (),
                      [limits, POWERS], (told, f"{told}, Hertz"), lambda shape, _: (*shape, 1.1),
-                     equation=f"y += {_rubs(told, 'rubbing', TURNED * reach)}"),
+                     equation=f"y += {_rubs(told, 'lost_stiffness', TURNED * reach)}"),
                 Form(f"{told}, relaxing", (names[0], "relaxing"), _relaxing(side), (0.0, 0.0), (np.inf, np.inf),
                      (told, "time_constant"), (), [limits, relaxation], (told,), lambda shape, _: (*shape, soon),
                      equation=f"y {'-' if side < 0.0 else '+'}= {_relaxes(told, 'relaxing')}"),
@@ -260,9 +262,9 @@ class EndStop(Effect):
             Form(f"both, {ANY}", all_four, _both(_contact), *any_size, ("upper", "lower", "power"), (), [*ends, POWERS],
                  ("both", "both, Hertz", "both, damped", "both, Hunt-Crossley"), lambda shape, _: (*shape, 1.25),
                  equation=f"y += {_lossy('upper', 'power', 'damping')} + {_lossy('lower', 'power', 'damping_lower')}"),
-            Form("both, rubbing", (*all_four[:2], "rubbing", "rubbing_lower"), _both(_rubbing), *any_size,
+            Form("both, lossy", (*all_four[:2], "lost_stiffness", "lost_stiffness_lower"), _both(_rubbing), *any_size,
                  ("upper", "lower", "power"), (), [*ends, POWERS], ("both", "both, Hertz"), lambda shape, _: (*shape, 1.1),
-                 equation=f"y += {_rubs('upper', 'rubbing', TURNED * reach)} + {_rubs('lower', 'rubbing_lower', TURNED * reach)}"),
+                 equation=f"y += {_rubs('upper', 'lost_stiffness', TURNED * reach)} + {_rubs('lower', 'lost_stiffness_lower', TURNED * reach)}"),
             Form("both, relaxing", (*all_four[:2], "relaxing", "relaxing_lower"), _both(_relaxing), *any_size,
                  ("upper", "lower", "time_constant"), (), [*ends, relaxation], ("both",), lambda shape, _: (*shape, soon),
                  equation=f"y += {_relaxes('upper', 'relaxing')} - {_relaxes('lower', 'relaxing_lower')}"),
