@@ -268,8 +268,8 @@ def test_any_model_file(folder: Path, data: st.DataObject) -> None:
     (folder / "odd.json").write_text(json.dumps(document))
     for words in (["predict"], ["invert", "--approximate"]):
         behaves([*words, "odd.json", "loop.csv", "--out", "out.csv"])
-    # What takes a hundred times as long is asked of every sixth.
-    if not data.draw(st.integers(0, 5)):
+    # What takes a hundred times as long is asked of every tenth.
+    if not data.draw(st.integers(0, 9)):
         behaves(["diagnose", "loop.csv", "--sim", "odd.json"])
 
 

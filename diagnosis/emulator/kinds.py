@@ -334,6 +334,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         ),
         _by_row(wire),
         limits=lambda extent: extent.wire * [[0.003, 1.0, 0.003, 0.003, 0.3], [2.0, 8.0, 3.0, 5.0, 50.0]],
+        evident=True,
     ),
     # Dampers of magnetorheological fluid with their accumulator: Spencer et al. (J. Eng. Mech. 123, 1997).
     "a few sliders behind dashpots": Kind(
@@ -347,6 +348,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         limits=lambda extent: extent.dashed * [
             [0.004, 1.0, 0.3, 0.5, 0.01, 1e-3], [3.0, 8.0, 3.0, 1000.0, 100.0, 10.0],
         ],
+        evident=True,
     ),
     # Harmonic drives, and springs before a gear: what rubs inside is compliant on both sides.
     "a few springs held by friction": Kind(
@@ -358,6 +360,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         {1: (0.0, np.inf)},
         timed=True,
         limits=lambda extent: extent.drive * [[0.003, 0.001, 0.05, 0.001, 0.003], [2.0, 0.2, 20.0, 2.0, 10.0]],
+        evident=True,
     ),
     # Series elastic actuators and gears whose load swings behind the spring and rubs there: by a bristle (Dahl, LuGre) or by the
     # sign of its speed, made smooth.

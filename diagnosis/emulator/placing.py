@@ -186,6 +186,9 @@ class _Maker:
         best = 1.0
         for others in reversed(range(self._most - logs.size // self._low.size)):
             more, smaller = self._added(logs)
+            if self._sign and smaller <= self._worthwhile * error:
+                # What helps only by a weight that it must not have leads nowhere.
+                smaller = self._left_by_one_sign(more)
             if smaller > self._worthwhile * error:
                 break
             logs, error, best = more, smaller, min(best, smaller / error)
@@ -215,6 +218,13 @@ class _Maker:
         weights, left = nnls(self._sign * self._columns(logs), self._goal)
         kept = weights > 0.0
         return (self._sizes(logs), error) if np.all(kept) else (self._sizes(logs)[kept], float(left))
+
+    def _left_by_one_sign(self, logs: Floats) -> float:
+        """The error that elements leave whose weights have the sign that they must have."""
+        _, own, upper = self._factors(logs)
+        inside = own.T @ self._goal
+        outside = float(self._goal @ self._goal - inside @ inside)
+        return float(np.sqrt(max(outside, 0.0) + nnls(self._sign * upper, inside)[1] ** 2))
 
     def _moved(self, logs: Floats, steps: tuple[int, float], moving: NDArray[np.bool_]) -> tuple[Floats, float]:
         """Those sizes of each element that are ``moving`` (m,) moved from ``logs`` (any,) on in so many steps (see ``STEPS``), and the error."""
@@ -261,7 +271,9 @@ class _Maker:
         left, basis = self._left(logs), self._factors(logs)[1]
         beyond = self._tried - basis @ (basis.T @ self._tried)
         size, own = np.sum(np.square(beyond), axis=0), np.sum(np.square(self._tried), axis=0)
-        gain = np.where(size > 1e-6 * own, np.square(left @ beyond) / np.maximum(size, 1e-300), 0.0)
+        along = left @ beyond
+        seen = (size > 1e-6 * own) & (self._sign * along >= 0.0)
+        gain = np.where(seen, np.square(along) / np.maximum(size, 1e-300), 0.0)
         error = float(np.linalg.norm(left))
         hopeless = HOPELESS if logs.size else self._hopeless_at_first
         if np.max(gain) < (1.0 - hopeless**2) * error**2:
