@@ -11,6 +11,7 @@ import json
 import os
 import shutil
 import warnings
+import zlib
 from collections.abc import Iterator
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
@@ -268,8 +269,8 @@ def test_any_model_file(folder: Path, data: st.DataObject) -> None:
     (folder / "odd.json").write_text(json.dumps(document))
     for words in (["predict"], ["invert", "--approximate"]):
         behaves([*words, "odd.json", "loop.csv", "--out", "out.csv"])
-    # What takes a hundred times as long is asked of every tenth.
-    if not data.draw(st.integers(0, 9)):
+    # What takes a hundred times as long is asked of every tenth; numbers that are drawn would be zero much more often.
+    if zlib.crc32(json.dumps(document).encode()) % 10 == 0:
         behaves(["diagnose", "loop.csv", "--sim", "odd.json"])
 
 

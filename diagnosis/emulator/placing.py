@@ -140,6 +140,7 @@ class _Maker:
         self._low, self._high = self._logs(limits)
         self._first = ~np.isin(np.arange(self._low.size), kind.later)
         self._shared, self._most = list(kind.shared), MANY if kind.shared else MOST
+        self._evident = kind.evident
         self._hopeless_at_first = HIDDEN if kind.evident else COSTLY if kind.timed else HOPELESS
         self._worthwhile = EVIDENTLY if kind.evident else WORTHWHILE
         self._starts, self._tried = self._logs(choices[0]), choices[1]
@@ -272,7 +273,9 @@ class _Maker:
         beyond = self._tried - basis @ (basis.T @ self._tried)
         size, own = np.sum(np.square(beyond), axis=0), np.sum(np.square(self._tried), axis=0)
         along = left @ beyond
-        seen = (size > 1e-6 * own) & (self._sign * along >= 0.0)
+        seen = size > 1e-6 * own
+        if self._evident:
+            seen &= self._sign * along >= 0.0
         gain = np.where(seen, np.square(along) / np.maximum(size, 1e-300), 0.0)
         error = float(np.linalg.norm(left))
         hopeless = HOPELESS if logs.size else self._hopeless_at_first
