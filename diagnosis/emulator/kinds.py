@@ -99,7 +99,7 @@ class Kind:
     last : bool
         Whether it resembles so many others, by few sizes, that it is asked last: they would not be clearly better.
     evident : bool
-        Whether, where there is one, those to choose from help much before they are moved.
+        Whether, where there is one, those to choose from help much before they are moved, with the sign that they must have.
     """
 
     part: str
