@@ -189,7 +189,7 @@ class _Maker:
             more, smaller = self._added(logs)
             if self._sign and smaller <= self._worthwhile * error:
                 # What helps only by a weight that it must not have leads nowhere.
-                smaller = self._left_by_one_sign(more)
+                smaller = self._weighed(more)[1]
             if smaller > self._worthwhile * error:
                 break
             logs, error, best = more, smaller, min(best, smaller / error)
@@ -216,16 +216,17 @@ class _Maker:
 
     def _of_one_sign(self, logs: Floats, error: float) -> tuple[Floats, float]:
         """Those elements whose weights have the sign that they must have, and the error that they leave."""
-        weights, left = nnls(self._sign * self._columns(logs), self._goal)
+        weights, left = self._weighed(logs)
         kept = weights > 0.0
-        return (self._sizes(logs), error) if np.all(kept) else (self._sizes(logs)[kept], float(left))
+        return (self._sizes(logs), error) if np.all(kept) else (self._sizes(logs)[kept], left)
 
-    def _left_by_one_sign(self, logs: Floats) -> float:
-        """The error that elements leave whose weights have the sign that they must have."""
+    def _weighed(self, logs: Floats) -> tuple[Floats, float]:
+        """Weights (k,) of elements that have the sign that they must have, without it, and the error that is left with them."""
         _, own, upper = self._factors(logs)
         inside = own.T @ self._goal
+        weights, left = nnls(self._sign * upper, inside)
         outside = float(self._goal @ self._goal - inside @ inside)
-        return float(np.sqrt(max(outside, 0.0) + nnls(self._sign * upper, inside)[1] ** 2))
+        return weights, float(np.sqrt(max(outside, 0.0) + left**2))
 
     def _moved(self, logs: Floats, steps: tuple[int, float], moving: NDArray[np.bool_]) -> tuple[Floats, float]:
         """Those sizes of each element that are ``moving`` (m,) moved from ``logs`` (any,) on in so many steps (see ``STEPS``), and the error."""
