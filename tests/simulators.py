@@ -8,6 +8,7 @@ from math import erf
 import numpy as np
 from joints import sliders
 from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
 
 Floats = NDArray[np.float64]
 Pads = tuple[float, float] | None
@@ -442,6 +443,44 @@ def rubbing_load(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return _behind_a_spring(x, 12.0 * (1.0 - e), 5.0 * (1.0 + e), load)
 
 
+def looked_up(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """A measured characteristic: the middle and half of the width of its loop from tables, which Dahl friction goes through."""
+    places = (1.0 + e) * np.linspace(-1.5, 1.5, 13)
+    middle = np.array([-6.1, -5.2, -4.7, -3.4, -1.9, -0.7, 0.0, 0.4, 1.7, 2.3, 3.6, 5.3, 6.0])
+    half = np.array([1.0, 0.9, 0.75, 0.85, 0.6, 0.4, 0.5, 0.6, 0.45, 0.7, 0.8, 0.9, 1.1])
+    way, built = 0.0, np.zeros(x.size)
+    for i in range(1, x.size):
+        step = (x[i] - x[i - 1]) / 20
+        for _ in range(20):
+            way += step / 0.06 * max(1.0 - way * np.sign(step), 0.0) ** 1.5
+        built[i] = way
+    spring, friction = PchipInterpolator(places, middle), PchipInterpolator(places, half)
+    return np.asarray(spring(x) + (1.0 - e) * friction(x) * built)
+
+
+def oil_chamber(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Oil that is compressed, and leaks through a gap and a hole, which is narrower one way; implicit in small steps."""
+    pressure, out = 0.0, np.zeros(x.size)
+    for i in range(1, x.size):
+        step = (x[i] - x[i - 1]) / 40
+        for _ in range(40):
+            hole = 0.9 if pressure + 30.0 * step > 0.0 else 0.4 * (1.0 - e)
+            # Of |p| + 30 h q = 30 |step| + before, with |p| = 1.2 q + hole q²; the sign is that of the pressure without a leak.
+            full, through = pressure + 30.0 * step, 1.2 * (1.0 + e) + 30.0 * INTERVAL / 40
+            q = (-through + np.sqrt(through**2 + 4.0 * hole * abs(full))) / (2.0 * hole)
+            pressure = full - np.sign(full) * 30.0 * q * INTERVAL / 40
+        out[i] = pressure
+    return 3.0 * (1.0 + e) * x + 2.0 * x**3 + out
+
+
+def pneumatic_muscle(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Sliders of a braid that all hold better the faster they slide."""
+    speed = np.abs(np.gradient(x, time))
+    return 4.0 * (1.0 - e) * x + (1.0 + 0.4 * (1.0 + e) * speed / (speed + 0.5)) * sliders(
+        x, ((8.0, 0.3), (5.0 * (1.0 + e), 0.5))
+    )
+
+
 JOINTS: dict[str, tuple[Joint, float]] = {
     "kinked": (kinked, 0.005),
     "two sliders": (two_sliders, 0.002),
@@ -481,5 +520,8 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "harmonic drive": (harmonic_drive, 0.002),
     "series elastic": (series_elastic, 0.002),
     "rubbing load": (rubbing_load, 0.002),
+    "looked up": (looked_up, 0.005),
+    "oil chamber": (oil_chamber, 0.005),
+    "pneumatic muscle": (pneumatic_muscle, 0.005),
 }
 """With the error, as a share of the output, that the emulator may make over a motion that it never saw."""

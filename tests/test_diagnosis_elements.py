@@ -14,7 +14,8 @@ import pytest
 from joints import sliders
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
-from simulators import INTERVAL, JOINTS, Joint, damped_bristles, damper, kinked, lagging, metal, two_sliders
+from scipy.interpolate import CubicSpline
+from simulators import INTERVAL, JOINTS, Joint, damped_bristles, damper, kinked, lagging, metal, rubber, two_sliders
 
 from hystbench.diagnosis.corrected import CorrectedSimulator
 from hystbench.diagnosis.diagnosis import diagnose
@@ -25,10 +26,12 @@ from hystbench.diagnosis.emulator.kinds import KINDS
 from hystbench.diagnosis.emulator.motion import Extent, Motion
 from hystbench.diagnosis.emulator.placing import Placing
 from hystbench.diagnosis.operators.levels import attracted
+from hystbench.diagnosis.operators.levels import dahl as dahl_friction
 from hystbench.diagnosis.operators.masses import held_by_load
-from hystbench.diagnosis.operators.memory import held_inside, hyperbolic
+from hystbench.diagnosis.operators.memory import held_inside, hyperbolic, orifice, plays
 from hystbench.diagnosis.operators.smooth_loops import pinched, smooth
 from hystbench.diagnosis.operators.superelastic import superelastic
+from hystbench.diagnosis.operators.tables import bumps
 from hystbench.diagnosis.recording.noise import rms
 from hystbench.diagnosis.recording.signals import Signals, differentiate
 from hystbench.errors import InputError
@@ -277,6 +280,56 @@ def test_slip_element_that_is_sudden_slips_on_where_the_motion_stops_and_lets_go
     assert force[-1] == pytest.approx(-0.1, abs=1e-6)
 
 
+@pytest.mark.parametrize("exponent", [0.4, 1.0, 1.0 + 1e-7, 1.6, 2.5])
+def test_dahl_friction_is_the_solution_of_its_equation(exponent: float) -> None:
+    turns, length, z, wanted = [0.0, 0.3, -0.2, -0.1, -0.5, 0.6], 0.12, 0.0, [0.0]
+    for a, b in itertools.pairwise(turns):
+        way = np.sign(b - a)
+        solved = solve_ivp(
+            lambda _, z, way: way / length * np.maximum(1.0 - way * z, 0.0) ** exponent,
+            (0.0, abs(b - a)), [z], args=(way,), rtol=1e-9, atol=1e-11, max_step=0.002,
+        )  # fmt: skip
+        z = float(solved.y[0, -1])
+        wanted.append(z)
+    found = dahl_friction(np.interp(np.arange(0.0, 5.01, 0.05), np.arange(6.0), turns), length, exponent)
+    assert found[::20] == pytest.approx(wanted, abs=1e-5)
+
+
+def test_dahl_friction_of_hardly_any_exponent_is_a_stop() -> None:
+    _, x = motion(20.0, 0.0, 1.0, 2.0)
+    stop = (x - plays(x, np.array([0.1]))[:, 0]) / 0.1
+    assert dahl_friction(x, 0.1, 1e-9) == pytest.approx(stop, abs=1e-6)
+
+
+@pytest.mark.parametrize(("pace", "back"), [(0.3, 1.0), (0.3, 4.0), (20.0, 1.0), (0.01, 0.5)])
+def test_spring_behind_a_throttle_is_the_solution_of_its_equation(pace: float, back: float) -> None:
+    length = 0.05
+
+    def rate(time: float, stretch: Floats) -> list[float]:
+        bent = 1.0 if stretch[0] > 0.0 else back
+        # The speed at which it leaks: of (q/pace) + bent (q/pace)² = |stretch|/length.
+        leak = pace * (np.sqrt(1.0 + 4.0 * bent * abs(stretch[0]) / length) - 1.0) / (2.0 * bent)
+        return [1.9 * np.cos(1.9 * time) * 0.5 + 5.3 * np.cos(5.3 * time) * 0.2 - np.sign(stretch[0]) * leak]
+
+    time = np.arange(0.0, 8.0, 0.002)
+    x = 0.5 * np.sin(1.9 * time) + 0.2 * np.sin(5.3 * time)
+    wanted = solve_ivp(rate, (0.0, 8.0), [0.0], t_eval=time, rtol=1e-8, atol=1e-10, method="LSODA").y[0]
+    assert np.max(np.abs(orifice(time, x, length, pace, back) - wanted)) < 5e-3 * np.max(np.abs(wanted))
+
+
+def test_spring_behind_a_throttle_is_a_spring_where_no_time_passes() -> None:
+    x = np.array([0.0, 0.2, 0.5, 0.1])
+    assert orifice(np.zeros(4), x, 0.05, 0.3, 1.0) == pytest.approx(x)
+
+
+def test_bumps_of_a_table_add_up_to_one_and_follow_a_parabola() -> None:
+    x, places = np.linspace(-1.0, 1.0, 201), np.linspace(-1.4, 1.4, 29)
+    one, intervals = np.ones(29), np.full(29, 0.1)
+    assert bumps(x, places, intervals, one) == pytest.approx(1.0)
+    # A cubic B-spline widens a parabola by a third of the interval squared.
+    assert bumps(x, places, intervals, places**2) == pytest.approx(x**2 + 0.1**2 / 3.0)
+
+
 def test_hyperbolic_friction_is_half_way_after_its_length_and_does_not_know_time() -> None:
     x = np.concatenate([np.linspace(0.0, 0.1, 11), np.linspace(0.1, -0.5, 61)[1:]])
     f = hyperbolic(x, 0.1)
@@ -407,6 +460,19 @@ def test_superelastic_wire_does_not_know_how_it_is_sampled() -> None:
     sizes = 0.13, 2.6, 0.15, 0.1, 4.0
     force = superelastic(x, *sizes)
     assert superelastic(finer, *sizes)[::20] == pytest.approx(force[:-1], abs=2e-4 * np.std(force))
+
+
+def test_rubber_of_a_simulator_that_goes_along_a_spline_begins_anew_where_that_overshoots_a_stop() -> None:
+    time, random = np.arange(0.0, 60.0, INTERVAL), np.random.default_rng(4)
+    # From place to place in half a second each, with a rest there, all of a sudden.
+    places = np.repeat(random.uniform(-0.8, 0.8, 31), 2)
+    x = np.interp(time, np.sort(np.concatenate([np.arange(31.0) * 2.0, np.arange(31.0) * 2.0 + 1.5])), places)
+    x -= x[0]
+    finely = np.arange(0.0, 59.99 + 1e-9, INTERVAL / 5)
+    y = rubber(finely, CubicSpline(time, x)(finely))[::5]
+    found = Generalised(Signals(time, x, y, y, [slice(0, x.size)], {}))
+    assert found.error < 0.002
+    assert "rubber along a spline" in found.further
 
 
 def test_elements_that_share_sizes_are_not_placed_with_the_wrong_sign() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -58,7 +58,7 @@ def strengthened_among(further: Further, gain: float, fast: float) -> Further:
     for name, elements in further.items():
         kind, sizes, weights = KINDS[name], np.array(elements["sizes"]), np.array(elements["weights"])
         if kind.part == MEMORY:
-            sizes = _scaled(sizes, 0, 1.0 + gain)
+            sizes = _scaled(sizes, (0,), 1.0 + gain)
         elif kind.part == RATE and kind.by_speed:
             # Friction that knows the speed alone has no stiffness; what grows up to the usual speeds is a damper.
             weights = weights * np.where(sizes[:, 0] < DRY * fast, 1.0 + gain, 1.0)
@@ -75,7 +75,9 @@ def tangents(further: Further, motion: Motion) -> tuple[Floats, Floats]:
         if kind.limits:
             # Each of these stands for one of the simulator's own, and its sizes for that one's parameters. A slider yields
             # at a quotient of two of them, which may be off by twice as much.
-            bulk.append(torque)
+            bulk.append(torque if not kind.table else _by_place(torque, motion))
+            if kind.table:
+                bulk.append(_spread_out(kind, motion, sizes) @ weights[:, None])
             for at in np.setdiff1d(np.arange(kind.width), kind.exact).tolist():
                 if at in kind.shared:
                     bulk.append((_stretched(kind, motion, sizes, at) @ weights)[:, None])
@@ -85,6 +87,8 @@ def tangents(further: Further, motion: Motion) -> tuple[Floats, Floats]:
                     bulk.append(_stretched(kind, motion, sizes, at) * weights)
         elif kind.one_sign:
             fine += [torque, _stretched(kind, motion, sizes) * weights]
+        elif kind.table:
+            bulk += [torque.sum(axis=1, keepdims=True), _spread_out(kind, motion, sizes) @ weights[:, None]]
         elif kind.part == ELASTIC:
             bulk += [torque, *_either_way(kind, motion, sizes, weights, 0, MOVED)]
         else:
@@ -113,9 +117,20 @@ def _made(further: Further) -> Iterator[tuple[Kind, Floats, Floats]]:
         yield KINDS[name], np.asarray(elements["sizes"], dtype=np.float64), np.asarray(elements["weights"])
 
 
-def _stretched(kind: Kind, motion: Motion, sizes: Floats, at: int = 0) -> Floats:
-    """Change of each element for a relative change by one of its size number ``at``, shape (n, k)."""
-    up, down = (kind.columns(motion, _scaled(sizes, at, scale)) for scale in (1.05, 0.95))
+def _by_place(torque: Floats, motion: Motion) -> Floats:
+    """Torque (n, any) of a table as a whole, and as a law that it is made from may have it wrong by the place."""
+    place = motion.x / max(float(np.max(np.abs(motion.x))), 1e-300)
+    return torque.sum(axis=1, keepdims=True) * np.column_stack([np.ones_like(place), place, place**2])
+
+
+def _spread_out(kind: Kind, motion: Motion, sizes: Floats) -> Floats:
+    """Change of each node of a table for a relative change by one of all its places, shape (n, k)."""
+    return _stretched(kind, motion, sizes, *kind.table)
+
+
+def _stretched(kind: Kind, motion: Motion, sizes: Floats, *at: int) -> Floats:
+    """Change of each element for a relative change by one of its sizes ``at``, by default the first, shape (n, k)."""
+    up, down = (kind.columns(motion, _scaled(sizes, at or (0,), scale)) for scale in (1.05, 0.95))
     return np.asarray((up - down) / 0.1)
 
 
@@ -123,8 +138,8 @@ def _either_way(kind: Kind, motion: Motion, sizes: Floats, weights: Floats, at: 
     """The same for errors up and down: where a corner moves it leaves a ramp, each way its own."""
     here = kind.columns(motion, sizes)
     ways = [way * error for error in errors for way in (1.0, -1.0)]
-    return [(kind.columns(motion, _scaled(sizes, at, 1.0 + way)) - here) * weights / way for way in ways]
+    return [(kind.columns(motion, _scaled(sizes, (at,), 1.0 + way)) - here) * weights / way for way in ways]
 
 
-def _scaled(sizes: Floats, at: int, scale: float) -> Floats:
-    return np.asarray(sizes * np.where(np.arange(sizes.shape[1]) == at, scale, 1.0))
+def _scaled(sizes: Floats, at: Sequence[int], scale: float) -> Floats:
+    return np.asarray(sizes * np.where(np.isin(np.arange(sizes.shape[1]), at), scale, 1.0))

@@ -33,6 +33,7 @@ from .generalised import (
     spring_of,
     strengthened,
 )
+from .kinds import KINDS
 
 __all__ = ["GENERALISED", "Emulator", "SimulatorScene", "answers_of", "emulate"]
 
@@ -245,7 +246,9 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
         {"model": GENERALISED, "parameters": own.parameters()},
         own.parameters(),
     )
-    for name in COMPETITORS if own.error > RIVALLED else ():
+    # Tables follow much that is a law.
+    rivalled = own.error > RIVALLED or any(KINDS[name].table for name in own.further)
+    for name in COMPETITORS if rivalled else ():
         try:
             rival = models.get(name)().fit(signals.x, signals.y_sim, signals.groups)
         except (InputError, np.linalg.LinAlgError, RuntimeError):

@@ -313,7 +313,7 @@ def motion_beside(signals: Signals, x: Floats) -> Motion:
         added = signals.slope(change)
         return signals.speed + added, signals.acceleration + signals.slope(added)
 
-    return Motion(signals.time, x, signals.runs, slopes)
+    return Motion(signals.time, x, signals.runs, slopes, recorded=signals.x)
 
 
 def _thresholds(reach: float, count: int) -> Floats:

@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .kinds import ELASTIC, KINKS, Kind
+from .kinds import ELASTIC, FRICTION_TABLE, KINKS, SPRING_TABLE, Kind
 from .motion import Extent, Motion
 from .placing import Placing
 from .selection import CLEARLY, EXACT, WORTHWHILE, Selection, spread
@@ -22,6 +22,8 @@ SIMPLE = 3
 """Sizes of an element up to which it is taken in as readily as those that are not moved."""
 ROUNDS = 2
 """Kinds of elements with sizes to move that are taken in one after the other, at most."""
+TABLED = 0.003
+"""Error, as a share of the output, from which tables are tried."""
 WELL_EMULATED = 0.002
 """Error, as a share of the output, from which further kinds are looked for that may need to be there together."""
 
@@ -63,7 +65,7 @@ class Growth:
         self._there = {name: columns[self._some] for name, columns in there.items()}
         self._there[STOPS] = sign * self._there[STOPS]
         self._sizes = {name: kind.sizes(extent) for name, kind in kinds.items() if kind.limits is None}
-        self._grid = tuple(self._sizes)
+        self._grid = tuple(name for name in self._sizes if not kinds[name].table)
         self._made = self._sampled(self._grid)
 
     def needed(self, placing: Collection[str]) -> tuple[bool, dict[str, Floats]]:
@@ -71,12 +73,14 @@ class Growth:
 
         Of the kinds that are moved to their places those in ``placing`` are tried.
         """
-        movable = {name: kind for name, kind in self._kinds.items() if kind.limits and name in placing}
+        movable = {
+            name: kind for name, kind in self._kinds.items() if kind.limits and name in placing and not kind.table
+        }
         # Where the spring has corners, or waves, what is left without them says little of the rest.
         springs = {name: kind for name, kind in movable.items() if kind.part == ELASTIC}
         more = self._placing.placed(springs, np.hstack(self._beside))
         self._take_up(more)
-        chosen = self._chosen([KINKS], list(more))
+        chosen, error = self._chosen([KINKS], list(more))
         chosen = {KINKS: np.empty(0, dtype=np.intp)} | {name: at for name, at in chosen.items() if name in self._sizes}
         beside = [*self._beside, *(self._columns(name, at) for name, at in chosen.items() if at.size)]
         needed = [name for name in chosen if name in movable]
@@ -88,7 +92,8 @@ class Growth:
             if this and not more:
                 break
             self._take_up(more)
-            before, chosen = chosen, self._chosen([STOPS, *self._grid], [*needed, *more], needed)
+            before = chosen
+            chosen, error = self._chosen([STOPS, *self._grid], [*needed, *more], needed)
             # What some kinds leave may be another's, which hardly helped beside all that.
             new = [
                 name
@@ -101,8 +106,28 @@ class Growth:
             refused = set() if new else set(more).difference(needed)
             if not new and not refused:
                 break
+        if error > TABLED and FRICTION_TABLE in placing:
+            chosen = self._looked_up(chosen, error, needed)
         finer = chosen[STOPS].size > self._few.size
         return finer, {name: self._sizes[name][at] for name, at in chosen.items() if name in self._sizes}
+
+    def _looked_up(self, chosen: dict[str, Places], error: float, needed: Sequence[str]) -> dict[str, Places]:
+        """The same with a spring from a table, and friction from one, in place of kinks, where that is clearly better."""
+        spring = np.arange(len(self._sizes[SPRING_TABLE]))
+        others = (name for name in chosen if name in self._sizes and name != KINKS and chosen[name].size)
+        beside = [
+            *self._beside,
+            *(self._columns(name, chosen[name]) for name in others),
+            self._columns(SPRING_TABLE, spring),
+        ]
+        more = self._placing.placed({FRICTION_TABLE: self._kinds[FRICTION_TABLE]}, np.hstack(beside))
+        self._take_up(more | {SPRING_TABLE: self._sizes[SPRING_TABLE]})
+        growing = [STOPS, *(name for name in self._grid if name != KINKS)]
+        for tables in ([SPRING_TABLE], [SPRING_TABLE, *more]) if more else ([SPRING_TABLE],):
+            with_tables, left = self._chosen(growing, [*needed, *tables], [*needed, *tables])
+            if left < CLEARLY * error:
+                chosen, error = with_tables, left
+        return chosen
 
     def _take_up(self, more: Mapping[str, Floats]) -> None:
         """Further elements to choose from, by their kind."""
@@ -122,8 +147,8 @@ class Growth:
 
     def _chosen(
         self, growing: Sequence[str], moved: Collection[str] = (), needed: Collection[str] = ()
-    ) -> dict[str, Places]:
-        """Elements that are needed of the kinds ``growing`` and of those ``moved``, of which some are ``needed`` in any case."""
+    ) -> tuple[dict[str, Places], float]:
+        """Elements that are needed of the kinds ``growing`` and of those ``moved``, of which some are ``needed`` in any case; and the error as a share of the output."""
         kept = [name for name in self._sizes if name in moved or name in growing]
         of_one_sign = [STOPS, *(name for name in kept if self._kinds[name].one_sign)]
         offered = self._there | {name: self._made[name] for name in kept}
@@ -137,4 +162,4 @@ class Growth:
             enough = CLEARLY if self._kinds[name].width > SIMPLE else WORTHWHILE
             if selection.error(with_moved) < enough * selection.error(chosen):
                 chosen = with_moved
-        return {name: at - places[name][0] for name, at in chosen.items()}
+        return {name: at - places[name][0] for name, at in chosen.items()}, selection.error(chosen) / selection.size

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..operators.masses import held_by_load, sliding
-from ..operators.memory import dashed, hardening, held_inside, leaky, pressed
+from ..operators.memory import dashed, hardening, held_inside, leaky, orifice, pressed
 from ..operators.smooth_loops import pinched, smooth
 from .motion import Extent, Motion
 from .single_elements import (
@@ -41,18 +41,22 @@ from .single_elements import (
     pressed_by_speed,
     ripple,
     rubber,
+    rubber_splined,
     slipping,
     stops,
     stribeck,
     stronger_at_rest,
+    stronger_in_motion,
     wire,
 )
+from .tables import looked_up, looked_up_together, nodes, rubbing, rubbing_together
 
-__all__ = ["ELASTIC", "KINDS", "KINKS", "MEMORY", "RATE", "Kind"]
+__all__ = ["ELASTIC", "FRICTION_TABLE", "KINDS", "KINKS", "MEMORY", "RATE", "SPRING_TABLE", "Kind"]
 
 Floats = NDArray[np.float64]
 ELASTIC, MEMORY, RATE = "elastic", "memory", "rate"
-KINKS = "kinks"
+KINKS, SLIP = "kinks", "a few slip elements"
+SPRING_TABLE, FRICTION_TABLE = "a spring from a table", "friction from a table"
 PLACES = 49
 """Places of a kink that are tried."""
 BODIES = (0.003, 0.003, 0.02, 0.0005, 0.001, 0.001, 0.01), (3.0, 6.0, 20.0, 3.0, 50.0, 50.0, 1.0)
@@ -98,6 +102,12 @@ class Kind:
         Whether it changes on the way as well, and not only by where the motion turns.
     last : bool
         Whether it resembles so many others, by few sizes, that it is asked last: they would not be clearly better.
+    like : str
+        A kind of which it is a variant, which is not tried where that one does not help at all.
+    table : sequence of int
+        Where its elements are the nodes of one table: which sizes are their places and the interval between them.
+    still : sequence of int
+        Which sizes are never moved.
     evident : bool
         Whether, where there is one, those to choose from help much before they are moved, with the sign that they must have.
     """
@@ -118,7 +128,10 @@ class Kind:
     by_speed: bool = False
     all_along: bool = False
     last: bool = False
+    like: str = ""
     evident: bool = False
+    table: Sequence[int] = ()
+    still: Sequence[int] = ()
 
     def torque(self, motion: Motion, sizes: Floats, weights: Floats) -> Floats:
         """Torque of all elements of these sizes and weights, N·m, shape (n,)."""
@@ -171,7 +184,7 @@ def _stribeck_sizes(extent: Extent) -> Floats:
     return _with(extent.reach * np.array([0.004, 0.012, 0.04, 0.12]), *others)
 
 
-def _slip_elements(column: Callable[..., Floats]) -> Kind:
+def _slip_elements(column: Callable[..., Floats], like: str = "") -> Kind:
     others = tuple(itertools.product((0.2, 0.6, 2.0), (0.4,), (1.0, 8.0), (1.5,)))
     return Kind(
         MEMORY, True,
@@ -184,6 +197,7 @@ def _slip_elements(column: Callable[..., Floats]) -> Kind:
         # They rub in the same grease.
         shared=(1, 2, 3, 4),
         by_speed=True,
+        like=like,
     )  # fmt: skip
 
 
@@ -209,6 +223,14 @@ def _held_by_load(
         # And the frequency: how a load swings bends with it.
         corners=(0, 1),
         evident=True,
+    )  # fmt: skip
+
+
+def _rubber(column: Callable[..., Floats]) -> Kind:
+    return Kind(
+        MEMORY, True,
+        lambda extent: extent.reach * np.geomspace(0.01, 1.0, 10)[:, None],
+        _by_row(column),
     )  # fmt: skip
 
 
@@ -250,6 +272,16 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         _by_row(kink),
         signed=(0,),
     ),
+    # Lookup tables of block diagrams and measured characteristics.
+    SPRING_TABLE: Kind(
+        ELASTIC, False,
+        nodes,
+        _by_row(looked_up),
+        {1: (0.0, np.inf)},
+        together=looked_up_together,
+        signed=(0,),
+        table=(0, 1),
+    ),
     # Detents, motors with poles and slots, teeth in mesh.
     "a few ripples": _ripples(0),
     "a few ripples of the stiffness": _ripples(1),
@@ -263,11 +295,8 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         signed=(0,),
     ),
     # Rubber: the friction of Berg (Vehicle System Dynamics 30, 1998).
-    "rubber": Kind(
-        MEMORY, True,
-        lambda extent: extent.reach * np.geomspace(0.01, 1.0, 10)[:, None],
-        _by_row(rubber),
-    ),
+    "rubber": _rubber(rubber),
+    "rubber along a spline": _rubber(rubber_splined),
     # Sliders at sharp deflections between those that are there in any case.
     "a few sharp sliders": Kind(
         MEMORY, True,
@@ -287,6 +316,26 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         _by_row(levered),
         limits=lambda extent: extent.lever * [[0.003, -1.0, -1.0], [1.0, 1.0, 1.0]],
         signed=(1, 2),
+    ),
+    # Half of the width of a measured loop, by the place.
+    FRICTION_TABLE: Kind(
+        MEMORY, True,
+        lambda extent: np.array([
+            (length, exponent, interval, place)
+            for length in extent.reach * np.geomspace(0.01, 0.3, 6)
+            for exponent in (0.1, 1.0)
+            for place, interval in nodes(extent)
+        ]),
+        _by_row(rubbing),
+        {2: (0.0, np.inf)},
+        together=rubbing_together,
+        limits=lambda extent: extent.reach * np.array([[0.002, 0.02 / extent.reach, 0.01, -1.2], [1.0, 3.0 / extent.reach, 1.0, 1.2]]),
+        later=(2, 3),
+        exact=(2, 3),
+        still=(2, 3),
+        signed=(3,),
+        shared=(0, 1, 2),
+        table=(2, 3),
     ),
     "smooth yielding": Kind(
         MEMORY, True,
@@ -409,9 +458,9 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         by_speed=True,
     ),
     # Generalised Maxwell slip: Lampaert, Al-Bender and Swevers (Physics and Control, 2003).
-    "a few slip elements": _slip_elements(slipping),
+    SLIP: _slip_elements(slipping),
     # The same as it is often written.
-    "a few sudden slip elements": _slip_elements(functools.partial(slipping, sudden=True)),
+    "a few sudden slip elements": _slip_elements(functools.partial(slipping, sudden=True), like=SLIP),
     # Hysteresis that as a whole is stronger at rest, as rolling friction: Swevers et al. (IEEE TAC 45, 2000).
     "a few stops stronger at rest": Kind(
         MEMORY, True,
@@ -419,6 +468,17 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         stronger_at_rest,
         {1: (0.0, np.inf)},
         limits=lambda extent: extent.sticky[:2] * [[0.003, 0.01], [3.0, 5.0]],
+        by_speed=True,
+        last=True,
+    ),
+    # Hysteresis that is stronger the faster it is gone through: pneumatic muscles, rate-dependent Prandtl-Ishlinskii models.
+    "a few stops stronger in motion": Kind(
+        MEMORY, True,
+        lambda extent: extent.sticky[:2] * _with(np.geomspace(0.01, 0.6, 6), (0.1,), (0.5,), (2.0,)),
+        stronger_in_motion,
+        {1: (0.0, np.inf)},
+        limits=lambda extent: extent.sticky[:2] * [[0.003, 0.003], [3.0, 20.0]],
+        shared=(1,),
         by_speed=True,
         last=True,
     ),
@@ -537,6 +597,18 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         _timed(leaky),
         {1: (0.0, np.inf)},
         timed=True,
+    ),
+    # Hydraulic dampers: oil in a chamber is compressed and leaks through a gap and a hole.
+    "a few springs behind throttles": Kind(
+        MEMORY, False,
+        lambda extent: extent.throttled * np.array(list(itertools.product(
+            np.geomspace(0.003, 0.3, 5), (0.03, 0.3, 3.0), (0.5, 1.0, 2.0)
+        ))),
+        _timed(orifice),
+        {1: (0.0, np.inf)},
+        timed=True,
+        limits=lambda extent: extent.throttled * [[1e-4, 1e-3, 0.1], [100.0, 100.0, 10.0]],
+        evident=True,
     ),
     # Torque that is told late.
     "lagging stops": Kind(

@@ -9,6 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 __all__ = ["DIFFERENCES", "Extent", "Motion"]
 
@@ -42,6 +43,8 @@ class Motion:
     """Gives speed and acceleration, shapes (n,), once they are asked for: many simulators never do."""
     course: Floats | None = None
     """The deflection as the simulator's memory knows it, where it differs."""
+    recorded: Floats | None = None
+    """The deflection that was recorded, where another one is only known at the same samples: it may have corners between them."""
 
     @property
     def speed(self) -> Floats:
@@ -64,10 +67,9 @@ class Motion:
         """The motion at some samples (k,) only, the first one of each run among them."""
         edges = [np.searchsorted(samples, (run.start, run.stop)) for run in self.runs]
         runs = [slice(int(a), int(b)) for a, b in edges]
-        course = None if self.course is None else self.course[samples]
-        return Motion(
-            self.time[samples], self.x[samples], runs, lambda: (self.speed[samples], self.acceleration[samples]), course
-        )
+        course, recorded = (None if part is None else part[samples] for part in (self.course, self.recorded))
+        speeds = lambda: (self.speed[samples], self.acceleration[samples])  # noqa: E731
+        return Motion(self.time[samples], self.x[samples], runs, speeds, course, recorded)
 
     def differenced(self, derivatives: str) -> Motion:
         """The motion with its derivatives as a simulator takes them, one of ``DIFFERENCES``; of any other name with these."""
@@ -106,6 +108,24 @@ class Motion:
     def _ways(self) -> list[Floats]:
         """The path of each run from zero on."""
         return [np.concatenate([[0.0], self.path[run]]) for run in self.runs]
+
+    @functools.cached_property
+    def splined(self) -> list[Floats]:
+        """The path of each run from zero on along a cubic spline, with a place between each two samples, shapes (2 n,).
+
+        The recorded one is smooth between samples, what another differs by need not be.
+        """
+        ways, smooth = [], self.path if self.recorded is None else self.recorded
+        for run in self.runs:
+            time, path, bent = self.time[run], self.path[run], smooth[run]
+            if not np.all(np.diff(time) > 0.0):
+                time = np.arange(path.size, dtype=np.float64)
+            change = path - bent
+            between = 0.5 * (change[1:] + change[:-1])
+            if path.size > 1:
+                between += CubicSpline(time, bent)(0.5 * (time[1:] + time[:-1]))
+            ways.append(np.concatenate([[0.0, path[0]], np.column_stack([between, path[1:]]).ravel()]))
+        return ways
 
 
 @dataclass(frozen=True)
@@ -182,6 +202,11 @@ class Extent:
     def sliding_load(self) -> Floats:
         """The same where friction follows the speed: rad, rad/s, 1, rad/s, 1, 1/rad², s; shape (7,)."""
         return np.array([*self.load[:3], self.fast, *self.load[4:7]])
+
+    @property
+    def throttled(self) -> Floats:
+        """The same of a spring behind a throttle: rad, rad/s, 1; shape (3,)."""
+        return np.array([self.reach, self.fast, 1.0])
 
     @property
     def metal(self) -> Floats:

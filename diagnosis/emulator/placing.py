@@ -19,6 +19,8 @@ __all__ = ["Placing"]
 Floats = NDArray[np.float64]
 MOST, MANY = 4, 8
 """Elements that are placed at most; and of those that share all sizes but one."""
+NODES = 32
+"""Nodes of a table of which columns are kept."""
 STARTS = 2
 """Elements to choose from at which each begins."""
 ALIKE = 0.8
@@ -87,16 +89,19 @@ class Placing:
             return _Maker(kind, limits, (sizes, beyond(columns)), lambda sizes: beyond(made(sizes)), goal, sign, wanted)
 
         better: dict[str, Floats] = {}
+        useless: set[str] = set()
         least = float(np.linalg.norm(goal))
         for name, kind in sorted(kinds.items(), key=lambda each: (each[1].last, each[1].width)):
             if least < enough:
                 break
-            if kind.width >= RICH and least < POOR:
-                # It would take most of the time for what is small already.
+            # A rich one would take most of the time for what is small already.
+            if (kind.width >= RICH and least < POOR) or kind.like in useless:
                 continue
             wanted = (1.0 if kind.last else CLEARLY) * least
             sizes, error = maker_of(name, kind, wanted).made()
-            if sizes.size and error < wanted:
+            if not sizes.size:
+                useless.add(name)
+            elif error < wanted:
                 better[name], least = sizes, error
         return better
 
@@ -139,7 +144,9 @@ class _Maker:
         self._signed, self._unit = np.isin(np.arange(kind.width), kind.signed), limits[1]
         self._low, self._high = self._logs(limits)
         self._first = ~np.isin(np.arange(self._low.size), kind.later)
-        self._shared, self._most = list(kind.shared), MANY if kind.shared else MOST
+        self._moves = ~np.isin(np.arange(self._low.size), kind.still)
+        self._shared, self._table = list(kind.shared), kind.table
+        self._most = MANY if kind.shared else MOST
         self._evident = kind.evident
         self._hopeless_at_first = HIDDEN if kind.evident else COSTLY if kind.timed else HOPELESS
         self._worthwhile = EVIDENTLY if kind.evident else WORTHWHILE
@@ -148,7 +155,7 @@ class _Maker:
         self._sign = sign
         self._wanted = wanted
         # From one derivative to the next only the sizes of one element differ.
-        self._column = functools.lru_cache(maxsize=2 * self._most)(
+        self._column = functools.lru_cache(maxsize=2 * (NODES if kind.table else self._most))(
             lambda logs: columns(self._sizes(np.array(logs)))[:, 0]
         )
         self._at = np.full(1, np.nan)
@@ -171,6 +178,8 @@ class _Maker:
 
     def made(self) -> tuple[Floats, float]:
         """Sizes (k, m) of as many elements as are worthwhile, and the error that they leave."""
+        if self._table:
+            return self._table_made()
         logs, error = self._grown(np.empty(0), float(np.linalg.norm(self._goal)))
         if self._shared and logs.size > self._low.size and error > EXACT:
             # What they share is not found by a few of them where there are many.
@@ -179,8 +188,15 @@ class _Maker:
                 together = self._grown(*self._moved(begun, STEPS, self._first))
                 logs, error = min((logs, error), together, key=lambda found: found[1])
         if logs.size and error > EXACT:
-            logs, error = self._moved(logs, MORE, np.ones(self._low.size, dtype=bool))
+            logs, error = self._moved(logs, MORE, self._moves)
         return self._of_one_sign(logs, error) if logs.size and self._sign else (self._sizes(logs), error)
+
+    def _table_made(self) -> tuple[Floats, float]:
+        """The same of a table, whose nodes are all there."""
+        begun = self._at_once()
+        if not begun.size:
+            return self._sizes(begun), float(np.linalg.norm(self._goal))
+        return self._of_one_sign(*self._moved(begun, MORE, self._moves))
 
     def _grown(self, logs: Floats, error: float) -> tuple[Floats, float]:
         """Elements to which others are added as long as each helps much: logarithms of sizes (any,), and the error that they leave."""

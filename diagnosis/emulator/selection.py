@@ -98,7 +98,8 @@ class Selection:
         self._others = [sum(self._parts[:k] + self._parts[k + 1 :]) for k in range(FOLDS)]
         self._whole = sum(self._parts)
         self._bounded = frozenset(bounded)
-        self._exact = EXACT * float(np.std(target)) * np.sqrt(target.size / FOLDS)
+        self.size = max(float(np.std(target)), 1e-300) * np.sqrt(target.size / FOLDS)
+        """Of the target, as errors are told."""
         self.places = places_of(elements)
 
     def _ordered(self, chosen: Mapping[str, Places]) -> tuple[Places, int]:
@@ -138,7 +139,7 @@ class Selection:
         """
         chosen = dict(base)
         error = self.error(chosen)
-        while error > self._exact:
+        while error > EXACT * self.size:
             options = []
             for name in kinds:
                 tried, all_of_it = chosen, self.places[name]

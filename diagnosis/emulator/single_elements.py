@@ -37,10 +37,12 @@ __all__ = [
     "pressed_by_speed",
     "ripple",
     "rubber",
+    "rubber_splined",
     "slipping",
     "stops",
     "stribeck",
     "stronger_at_rest",
+    "stronger_in_motion",
     "wire",
 ]
 
@@ -90,6 +92,11 @@ def leaves(motion: Motion, length: float, back: float, growth: float) -> Floats:
 def rubber(motion: Motion, length: float) -> Floats:
     """Friction that has grown by half of what is left after ``length``, rad (Berg, Vehicle System Dynamics 30, 1998)."""
     return length * motion.from_rest(hyperbolic, length=length)
+
+
+def rubber_splined(motion: Motion, length: float) -> Floats:
+    """The same of a simulator that goes along a spline through the samples: it turns, and begins anew, where that overshoots a stop."""
+    return length * np.concatenate([hyperbolic(way, length=length)[1::2] for way in motion.splined])
 
 
 def _level(motion: Motion, pace: float, excess: float, power: float) -> Floats:
@@ -216,6 +223,12 @@ def levered(motion: Motion, length: float, slope: float, bend: float) -> Floats:
 def stronger_at_rest(motion: Motion, sizes: Floats) -> Floats:
     """Stops times what falls with the speed by a pace (rad/s)."""
     return stops(motion, sizes) * np.exp(-np.abs(motion.speed)[:, None] / sizes[:, 1])
+
+
+def stronger_in_motion(motion: Motion, sizes: Floats) -> Floats:
+    """Stops times what grows with the speed, to one far above a pace (rad/s)."""
+    speed = np.abs(motion.speed)[:, None]
+    return stops(motion, sizes) * speed / (speed + sizes[:, 1])
 
 
 def lagging(motion: Motion, sizes: Floats) -> Floats:

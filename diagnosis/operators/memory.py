@@ -17,6 +17,7 @@ __all__ = [
     "lagged",
     "leaky",
     "lowpass",
+    "orifice",
     "plays",
     "pressed",
     "weighed",
@@ -29,6 +30,8 @@ SMOOTH = 0.4
 """Longest step along a smooth loop behind a dashpot, in its own lengths over its steepness."""
 NEWTON = 30
 """Steps at most to where metal yields again, or to where what is inside a drive holds."""
+THROTTLED, MOST_PARTS = 0.5, 12
+"""Longest step of a spring behind a throttle, over its stretch, and steps at most between two samples."""
 STABLE, DASHED = 0.3, 60
 """Longest step of what creeps through a dashpot, over its time constant, and steps at most between two samples."""
 
@@ -271,6 +274,27 @@ def _leaky(time, x, level, tau, out):
 
 
 @njit(cache=True)
+def _orifice(time, x, length, pace, back, out):
+    f = 0.0
+    out[0] = 0.0
+    for i in range(1, x.size):
+        dt, moved = time[i] - time[i - 1], x[i] - x[i - 1]
+        parts = 1
+        if dt > 0.0:
+            changing = max(abs(moved), 0.1 * abs(f))
+            parts = int(min(max(np.ceil(changing / (THROTTLED * (abs(f) + 0.1 * length))), 2.0), MOST_PARTS))
+        h, step = dt / parts, moved / parts
+        for _ in range(parts):
+            # Leaking at q/pace + (q/pace)² = |f|/length, by the exponential Rosenbrock-Euler method: stable however stiff.
+            bent = 1.0 if f >= 0.0 else back
+            root = np.sqrt(1.0 + 4.0 * bent * abs(f) / length)
+            q = 2.0 * abs(f) / length * pace / (1.0 + root)
+            rate = pace / (length * root) * h
+            f += (1.0 if rate < 1e-9 else (1.0 - np.exp(-rate)) / rate) * (step - (q * h if f >= 0.0 else -q * h))
+        out[i] = f
+
+
+@njit(cache=True)
 def _creeping(time, x, tau, power, length, out):
     f, more = 0.0, power - 1.0
     out[0] = 0.0
@@ -419,6 +443,17 @@ def leaky(time: Floats, x: Floats, level: float, tau: float) -> Floats:
     """
     out = np.empty(x.size)
     _leaky(np.ascontiguousarray(time), np.ascontiguousarray(x), float(level), float(tau), out)
+    return out
+
+
+def orifice(time: Floats, x: Floats, length: float, pace: float, back: float) -> Floats:
+    """Stretch of a spring behind a throttle over ``x`` (n,) from rest, shape (n,): oil that is compressed and leaks.
+
+    At the speed q it holds the stretch ``length`` (q/pace + (q/pace)²): laminar below ``pace`` (of the unit of ``x``, per s),
+    turbulent above; where it pulls back the second term is ``back`` times as much (Merritt, Hydraulic Control Systems, 1967).
+    """
+    out = np.empty(x.size)
+    _orifice(np.ascontiguousarray(time), np.ascontiguousarray(x), float(length), float(pace), float(back), out)
     return out
 
 
