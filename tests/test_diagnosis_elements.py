@@ -22,7 +22,7 @@ from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.emulator import generalised
 from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.emulator.generalised import Generalised, motion_of, predict_generalised, spring_of
-from hystbench.diagnosis.emulator.kinds import KINDS
+from hystbench.diagnosis.emulator.kinds import FRICTION_TABLE, KINDS, SPRING_TABLE
 from hystbench.diagnosis.emulator.motion import Extent, Motion
 from hystbench.diagnosis.emulator.placing import Placing
 from hystbench.diagnosis.operators.levels import attracted
@@ -328,6 +328,20 @@ def test_bumps_of_a_table_add_up_to_one_and_follow_a_parabola() -> None:
     assert bumps(x, places, intervals, one) == pytest.approx(1.0)
     # A cubic B-spline widens a parabola by a third of the interval squared.
     assert bumps(x, places, intervals, places**2) == pytest.approx(x**2 + 0.1**2 / 3.0)
+
+
+def test_table_goes_on_as_it_ends() -> None:
+    joint, _ = JOINTS["looked up"]
+    signals = recorded(joint)
+    found = Generalised(signals)
+    assert {SPRING_TABLE, FRICTION_TABLE} <= set(found.further)
+    along = motion_of(signals)
+    end, beyond = (replace(along, x=np.full_like(along.x, share * found.reach), course=along.x) for share in (1.0, 1.3))
+    for name in (SPRING_TABLE, FRICTION_TABLE):
+        sizes, weights = np.array(found.further[name]["sizes"]), np.array(found.further[name]["weights"])
+        at_end = KINDS[name].torque(end, sizes, weights)
+        assert KINDS[name].torque(beyond, sizes, weights) == pytest.approx(at_end)
+        assert np.any(at_end != 0.0)
 
 
 def test_hyperbolic_friction_is_half_way_after_its_length_and_does_not_know_time() -> None:

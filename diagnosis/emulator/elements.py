@@ -75,9 +75,7 @@ def tangents(further: Further, motion: Motion) -> tuple[Floats, Floats]:
         if kind.limits:
             # Each of these stands for one of the simulator's own, and its sizes for that one's parameters. A slider yields
             # at a quotient of two of them, which may be off by twice as much.
-            bulk.append(torque if not kind.table else _by_place(torque, motion))
-            if kind.table:
-                bulk.append(_spread_out(kind, motion, sizes) @ weights[:, None])
+            bulk += _of_table(kind, motion, sizes, weights) if kind.table else [torque]
             for at in np.setdiff1d(np.arange(kind.width), kind.exact).tolist():
                 if at in kind.shared:
                     bulk.append((_stretched(kind, motion, sizes, at) @ weights)[:, None])
@@ -88,7 +86,7 @@ def tangents(further: Further, motion: Motion) -> tuple[Floats, Floats]:
         elif kind.one_sign:
             fine += [torque, _stretched(kind, motion, sizes) * weights]
         elif kind.table:
-            bulk += [torque.sum(axis=1, keepdims=True), _spread_out(kind, motion, sizes) @ weights[:, None]]
+            bulk += _of_table(kind, motion, sizes, weights)
         elif kind.part == ELASTIC:
             bulk += [torque, *_either_way(kind, motion, sizes, weights, 0, MOVED)]
         else:
@@ -117,15 +115,14 @@ def _made(further: Further) -> Iterator[tuple[Kind, Floats, Floats]]:
         yield KINDS[name], np.asarray(elements["sizes"], dtype=np.float64), np.asarray(elements["weights"])
 
 
-def _by_place(torque: Floats, motion: Motion) -> Floats:
-    """Torque (n, any) of a table as a whole, and as a law that it is made from may have it wrong by the place."""
+def _of_table(kind: Kind, motion: Motion, sizes: Floats, weights: Floats) -> list[Floats]:
+    """Changes where a table as a whole is off: in its values, in its places, and of friction in the law that its values are made by."""
+    torque = kind.torque(motion, sizes, weights)
+    spread_out = _stretched(kind, motion, sizes, *kind.table) @ weights
     place = motion.x / max(float(np.max(np.abs(motion.x))), 1e-300)
-    return torque.sum(axis=1, keepdims=True) * np.column_stack([np.ones_like(place), place, place**2])
-
-
-def _spread_out(kind: Kind, motion: Motion, sizes: Floats) -> Floats:
-    """Change of each node of a table for a relative change by one of all its places, shape (n, k)."""
-    return _stretched(kind, motion, sizes, *kind.table)
+    # Where a spring's law is off is told by the curve that is there in any case.
+    powers = range(1 if kind.part == ELASTIC else 3)
+    return [np.column_stack([spread_out, *(torque * place**power for power in powers)])]
 
 
 def _stretched(kind: Kind, motion: Motion, sizes: Floats, *at: int) -> Floats:

@@ -148,7 +148,10 @@ class Growth:
     def _chosen(
         self, growing: Sequence[str], moved: Collection[str] = (), needed: Collection[str] = ()
     ) -> tuple[dict[str, Places], float]:
-        """Elements that are needed of the kinds ``growing`` and of those ``moved``, of which some are ``needed`` in any case; and the error as a share of the output."""
+        """Elements that are needed of the kinds ``growing`` and of those ``moved``, of which some are ``needed`` in any case.
+
+        And the error that they leave, as a share of the output.
+        """
         kept = [name for name in self._sizes if name in moved or name in growing]
         of_one_sign = [STOPS, *(name for name in kept if self._kinds[name].one_sign)]
         offered = self._there | {name: self._made[name] for name in kept}

@@ -605,7 +605,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
             np.geomspace(0.003, 0.3, 5), (0.03, 0.3, 3.0), (0.5, 1.0, 2.0)
         ))),
         _timed(orifice),
-        {1: (0.0, np.inf)},
+        {0: (0.0, np.inf), 1: (0.0, np.inf)},
         timed=True,
         limits=lambda extent: extent.throttled * [[1e-4, 1e-3, 0.1], [100.0, 100.0, 10.0]],
         evident=True,

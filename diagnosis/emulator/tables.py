@@ -23,11 +23,17 @@ def nodes(extent: Extent) -> Floats:
     return np.column_stack([places, np.full(places.size, interval)])
 
 
+def _within(x: Floats, intervals: Floats) -> Floats:
+    """Deflections as far as the table was looked up: what follows is not known, so it goes on as it ends."""
+    reach = INTERVALS / 2 * float(np.max(intervals, initial=0.0))
+    return np.clip(x, -reach, reach)
+
+
 def looked_up_together(motion: Motion, sizes: Floats, weights: Floats) -> Floats:
     """A spring with nodes at places, rad, and the intervals between them, of these weights: none at rest."""
     places, intervals = sizes[:, 0], sizes[:, 1]
     at_rest = bumps(np.zeros(1), places, intervals, weights)
-    return np.asarray(bumps(motion.x, places, intervals, weights) - at_rest)
+    return np.asarray(bumps(_within(motion.x, intervals), places, intervals, weights) - at_rest)
 
 
 def looked_up(motion: Motion, place: float, interval: float) -> Floats:
@@ -40,7 +46,7 @@ def rubbing_together(motion: Motion, sizes: Floats, weights: Floats) -> Floats:
     total = np.zeros(motion.x.size)
     for length, exponent in np.unique(sizes[:, :2], axis=0):
         at = np.all(sizes[:, :2] == (length, exponent), axis=1)
-        strength = bumps(motion.x, sizes[at, 3], sizes[at, 2], weights[at])
+        strength = bumps(_within(motion.x, sizes[at, 2]), sizes[at, 3], sizes[at, 2], weights[at])
         total += length * strength * motion.from_rest(dahl, length=length, exponent=exponent)
     return total
 
