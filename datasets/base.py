@@ -36,6 +36,11 @@ class Recording:
         Further channels, for instance pressure or temperature.
     conditions : mapping of str to str
         What was varied and held during this recording, in words for people.
+
+    Raises
+    ------
+    ValueError
+        Where channels differ in length, the warm-up is not shorter, a figure is not finite or time does not increase.
     """
 
     name: str
@@ -52,6 +57,10 @@ class Recording:
             raise ValueError(f"recording {self.name!r}: its channels differ in length")
         if not 0 <= self.warm_up < self.time.size:
             raise ValueError(f"recording {self.name!r}: the warm-up must be shorter than the recording")
+        if not all(np.isfinite(series).all() for series in (self.time, self.x, self.y)):
+            raise ValueError(f"recording {self.name!r}: time, input and output must be finite numbers")
+        if not np.all(np.diff(self.time) > 0.0):
+            raise ValueError(f"recording {self.name!r}: its time must increase from each sample to the next")
 
 
 class Plant(Protocol):

@@ -93,6 +93,22 @@ def test_recordings_refuse_what_no_sensor_gives(time: np.ndarray, x: np.ndarray,
     assert 0 <= recording.warm_up < recording.x.size
 
 
+@pytest.mark.parametrize(
+    ("time", "x", "told"),
+    [
+        ([0.0, 0.0, 1.0], [0.0, 1.0, 2.0], "time must increase"),
+        ([0.0, 2.0, 1.0], [0.0, 1.0, 2.0], "time must increase"),
+        ([0.0, 1.0, math.nan], [0.0, 1.0, 2.0], "finite"),
+        ([0.0, 1.0, 2.0], [0.0, math.inf, 2.0], "finite"),
+    ],
+)
+def test_a_recording_whose_time_stands_still_or_has_gaps_is_refused(
+    time: list[float], x: list[float], told: str
+) -> None:
+    with pytest.raises(ValueError, match=rf"recording 'rig': .*{told}"):
+        Recording("rig", np.array(time), np.array(x), np.zeros(3))
+
+
 @given(st.text(max_size=12))
 def test_a_tolerance_is_a_fraction_or_refused(text: str) -> None:
     try:
