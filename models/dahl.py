@@ -17,7 +17,7 @@ from .base import Condition, Floats, HysteresisModel, Run, parameter_array, para
 from .separable import fit_separable, powers, unscaled
 from .stepping import KernelStepper
 
-__all__ = ["Dahl"]
+__all__ = ["Dahl", "friction"]
 
 # State: last input, friction as a fraction of its limit, started.
 _X, _Z, _STARTED = 0, 1, 2
@@ -70,6 +70,16 @@ def _step(x, state, params, commit):
     one = np.full(1, x)
     _run(one, state if commit else state.copy(), params, one)
     return one[0]
+
+
+def friction(x: Floats, length: float, exponent: float) -> Floats:
+    """Friction over its limit that builds up over ``x`` (n,) from none, shape (n,).
+
+    Its slope is (1 - z sgn(dx))^``exponent`` over ``length``: an exponent of one is a bristle, near zero a stop (Dahl 1976).
+    """
+    z = np.empty(x.size)
+    _run(np.ascontiguousarray(x), _initial_state(0), (np.zeros(1), 1.0, 1.0 / length, float(exponent)), z)
+    return z
 
 
 class Dahl(HysteresisModel):

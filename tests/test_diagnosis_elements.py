@@ -26,7 +26,6 @@ from hystbench.diagnosis.emulator.kinds import FRICTION_TABLE, KINDS, SPRING_TAB
 from hystbench.diagnosis.emulator.motion import Extent, Motion
 from hystbench.diagnosis.emulator.placing import Placing
 from hystbench.diagnosis.operators.levels import attracted
-from hystbench.diagnosis.operators.levels import dahl as dahl_friction
 from hystbench.diagnosis.operators.masses import held_by_load
 from hystbench.diagnosis.operators.memory import held_inside, hyperbolic, orifice, plays
 from hystbench.diagnosis.operators.smooth_loops import pinched, smooth
@@ -35,6 +34,7 @@ from hystbench.diagnosis.operators.tables import bumps
 from hystbench.diagnosis.recording.noise import rms
 from hystbench.diagnosis.recording.signals import Signals, differentiate
 from hystbench.errors import InputError
+from hystbench.models.dahl import friction as dahl_friction
 
 Floats = NDArray[np.float64]
 

@@ -113,7 +113,7 @@ def test_only_the_derived_stiffness_is_the_slope_of_the_torque(
     scale = np.max(np.abs(slope))
     np.testing.assert_allclose(a.stiffness_derived(grid, b), slope, atol=1e-5 * scale)
     # A preload makes a peak in the middle: against that all differences are small.
-    assert np.max(np.abs(a.stiffness_restored(grid, b) - slope)) > 0.01 * np.median(np.abs(slope))
+    assert np.max(np.abs(a.stiffness_restored(grid, b) - slope)) > 0.02 * np.median(np.abs(slope))
 
 
 def test_stiffness_checks_cover_the_configurations_and_accuse_only_what_differs() -> None:

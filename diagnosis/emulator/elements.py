@@ -71,22 +71,22 @@ def tangents(further: Further, motion: Motion) -> tuple[Floats, Floats]:
     nothing = np.empty((motion.x.size, 0))
     fine, bulk = [nothing], [nothing]
     for kind, sizes, weights in _made(further):
-        torque = kind.columns(motion, sizes) * weights
+        torque = _of_table(kind, motion, sizes, weights) if kind.table else kind.columns(motion, sizes) * weights
         if kind.limits:
             # Each of these stands for one of the simulator's own, and its sizes for that one's parameters. A slider yields
             # at a quotient of two of them, which may be off by twice as much.
-            bulk += _of_table(kind, motion, sizes, weights) if kind.table else [torque]
+            bulk.append(torque)
             for at in np.setdiff1d(np.arange(kind.width), kind.exact).tolist():
                 if at in kind.shared:
-                    bulk.append((_stretched(kind, motion, sizes, at) @ weights)[:, None])
+                    bulk.append((_stretched(kind, motion, sizes, (at,)) @ weights)[:, None])
                 elif at in kind.corners:
                     bulk += _either_way(kind, motion, sizes, weights, at, MOVED, 2.0 * MOVED)
                 else:
-                    bulk.append(_stretched(kind, motion, sizes, at) * weights)
+                    bulk.append(_stretched(kind, motion, sizes, (at,)) * weights)
         elif kind.one_sign:
             fine += [torque, _stretched(kind, motion, sizes) * weights]
         elif kind.table:
-            bulk += _of_table(kind, motion, sizes, weights)
+            bulk.append(torque)
         elif kind.part == ELASTIC:
             bulk += [torque, *_either_way(kind, motion, sizes, weights, 0, MOVED)]
         else:
@@ -115,19 +115,22 @@ def _made(further: Further) -> Iterator[tuple[Kind, Floats, Floats]]:
         yield KINDS[name], np.asarray(elements["sizes"], dtype=np.float64), np.asarray(elements["weights"])
 
 
-def _of_table(kind: Kind, motion: Motion, sizes: Floats, weights: Floats) -> list[Floats]:
-    """Changes where a table as a whole is off: in its values, in its places, and of friction in the law that its values are made by."""
+def _of_table(kind: Kind, motion: Motion, sizes: Floats, weights: Floats) -> Floats:
+    """Changes where a table as a whole is off: in its values, in its places, and of friction in the law that its values are made by.
+
+    Shape (n, any).
+    """
     torque = kind.torque(motion, sizes, weights)
-    spread_out = _stretched(kind, motion, sizes, *kind.table) @ weights
+    spread_out = _stretched(kind, motion, sizes, kind.table) @ weights
     place = motion.x / max(float(np.max(np.abs(motion.x))), 1e-300)
     # Where a spring's law is off is told by the curve that is there in any case.
     powers = range(1 if kind.part == ELASTIC else 3)
-    return [np.column_stack([spread_out, *(torque * place**power for power in powers)])]
+    return np.column_stack([spread_out, *(torque * place**power for power in powers)])
 
 
-def _stretched(kind: Kind, motion: Motion, sizes: Floats, *at: int) -> Floats:
-    """Change of each element for a relative change by one of its sizes ``at``, by default the first, shape (n, k)."""
-    up, down = (kind.columns(motion, _scaled(sizes, at or (0,), scale)) for scale in (1.05, 0.95))
+def _stretched(kind: Kind, motion: Motion, sizes: Floats, at: Sequence[int] = (0,)) -> Floats:
+    """Change of each element for a relative change by one of its sizes ``at``, shape (n, k)."""
+    up, down = (kind.columns(motion, _scaled(sizes, at, scale)) for scale in (1.05, 0.95))
     return np.asarray((up - down) / 0.1)
 
 

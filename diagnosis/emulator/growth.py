@@ -80,7 +80,7 @@ class Growth:
         springs = {name: kind for name, kind in movable.items() if kind.part == ELASTIC}
         more = self._placing.placed(springs, np.hstack(self._beside))
         self._take_up(more)
-        chosen, error = self._chosen([KINKS], list(more))
+        chosen, _ = self._chosen([KINKS], list(more))
         chosen = {KINKS: np.empty(0, dtype=np.intp)} | {name: at for name, at in chosen.items() if name in self._sizes}
         beside = [*self._beside, *(self._columns(name, at) for name, at in chosen.items() if at.size)]
         needed = [name for name in chosen if name in movable]
@@ -123,7 +123,7 @@ class Growth:
         more = self._placing.placed({FRICTION_TABLE: self._kinds[FRICTION_TABLE]}, np.hstack(beside))
         self._take_up(more | {SPRING_TABLE: self._sizes[SPRING_TABLE]})
         growing = [STOPS, *(name for name in self._grid if name != KINKS)]
-        for tables in ([SPRING_TABLE], [SPRING_TABLE, *more]) if more else ([SPRING_TABLE],):
+        for tables in [[SPRING_TABLE], *([[SPRING_TABLE, *more]] if more else [])]:
             with_tables, left = self._chosen(growing, [*needed, *tables], [*needed, *tables])
             if left < CLEARLY * error:
                 chosen, error = with_tables, left
@@ -159,10 +159,12 @@ class Growth:
         places = selection.places
         base = {STOPS: places[STOPS][self._few]} | {name: places[name] for name in (ELASTIC, PLACED, RATES, *needed)}
         chosen = selection.grow(base, growing, [KINKS])
+        left = selection.error(chosen)
         for name in (name for name in moved if name not in needed):
             with_moved = selection.grow(base | {name: places[name]}, growing, [KINKS])
             # Sliders with mass also round corners that have nothing to do with mass.
             enough = CLEARLY if self._kinds[name].width > SIMPLE else WORTHWHILE
-            if selection.error(with_moved) < enough * selection.error(chosen):
-                chosen = with_moved
-        return {name: at - places[name][0] for name, at in chosen.items()}, selection.error(chosen) / selection.size
+            left_with = selection.error(with_moved)
+            if left_with < enough * left:
+                chosen, left = with_moved, left_with
+        return {name: at - places[name][0] for name, at in chosen.items()}, left / selection.size

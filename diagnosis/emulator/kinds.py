@@ -105,9 +105,7 @@ class Kind:
     like : str
         A kind of which it is a variant, which is not tried where that one does not help at all.
     table : sequence of int
-        Where its elements are the nodes of one table: which sizes are their places and the interval between them.
-    still : sequence of int
-        Which sizes are never moved.
+        Where its elements are the nodes of one table: which sizes are their places and the interval between them, which stay.
     evident : bool
         Whether, where there is one, those to choose from help much before they are moved, with the sign that they must have.
     """
@@ -131,7 +129,6 @@ class Kind:
     like: str = ""
     evident: bool = False
     table: Sequence[int] = ()
-    still: Sequence[int] = ()
 
     def torque(self, motion: Motion, sizes: Floats, weights: Floats) -> Floats:
         """Torque of all elements of these sizes and weights, N·m, shape (n,)."""
@@ -327,12 +324,10 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
             for place, interval in nodes(extent)
         ]),
         _by_row(rubbing),
-        {2: (0.0, np.inf)},
+        {0: (0.0, np.inf), 2: (0.0, np.inf)},
         together=rubbing_together,
         limits=lambda extent: extent.reach * np.array([[0.002, 0.02 / extent.reach, 0.01, -1.2], [1.0, 3.0 / extent.reach, 1.0, 1.2]]),
-        later=(2, 3),
         exact=(2, 3),
-        still=(2, 3),
         signed=(3,),
         shared=(0, 1, 2),
         table=(2, 3),

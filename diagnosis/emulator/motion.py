@@ -68,8 +68,10 @@ class Motion:
         edges = [np.searchsorted(samples, (run.start, run.stop)) for run in self.runs]
         runs = [slice(int(a), int(b)) for a, b in edges]
         course, recorded = (None if part is None else part[samples] for part in (self.course, self.recorded))
-        speeds = lambda: (self.speed[samples], self.acceleration[samples])  # noqa: E731
-        return Motion(self.time[samples], self.x[samples], runs, speeds, course, recorded)
+        return Motion(
+            self.time[samples], self.x[samples], runs, lambda: (self.speed[samples], self.acceleration[samples]),
+            course, recorded,
+        )  # fmt: skip
 
     def differenced(self, derivatives: str) -> Motion:
         """The motion with its derivatives as a simulator takes them, one of ``DIFFERENCES``; of any other name with these."""
@@ -118,8 +120,6 @@ class Motion:
         ways, smooth = [], self.path if self.recorded is None else self.recorded
         for run in self.runs:
             time, path, bent = self.time[run], self.path[run], smooth[run]
-            if not np.all(np.diff(time) > 0.0):
-                time = np.arange(path.size, dtype=np.float64)
             change = path - bent
             between = 0.5 * (change[1:] + change[:-1])
             if path.size > 1:

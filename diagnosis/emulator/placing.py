@@ -144,8 +144,8 @@ class _Maker:
         self._signed, self._unit = np.isin(np.arange(kind.width), kind.signed), limits[1]
         self._low, self._high = self._logs(limits)
         self._first = ~np.isin(np.arange(self._low.size), kind.later)
-        self._moves = ~np.isin(np.arange(self._low.size), kind.still)
-        self._shared, self._table = list(kind.shared), kind.table
+        self._moves = ~np.isin(np.arange(self._low.size), kind.table)
+        self._shared, self._is_table = list(kind.shared), bool(kind.table)
         self._most = MANY if kind.shared else MOST
         self._evident = kind.evident
         self._hopeless_at_first = HIDDEN if kind.evident else COSTLY if kind.timed else HOPELESS
@@ -178,7 +178,7 @@ class _Maker:
 
     def made(self) -> tuple[Floats, float]:
         """Sizes (k, m) of as many elements as are worthwhile, and the error that they leave."""
-        if self._table:
+        if self._is_table:
             return self._table_made()
         logs, error = self._grown(np.empty(0), float(np.linalg.norm(self._goal)))
         if self._shared and logs.size > self._low.size and error > EXACT:

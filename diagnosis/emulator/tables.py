@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..operators.levels import dahl
+from ...models.dahl import friction
 from ..operators.tables import bumps
 from .motion import Extent, Motion
 
@@ -47,7 +47,7 @@ def rubbing_together(motion: Motion, sizes: Floats, weights: Floats) -> Floats:
     for length, exponent in np.unique(sizes[:, :2], axis=0):
         at = np.all(sizes[:, :2] == (length, exponent), axis=1)
         strength = bumps(_within(motion.x, sizes[at, 2]), sizes[at, 3], sizes[at, 2], weights[at])
-        total += length * strength * motion.from_rest(dahl, length=length, exponent=exponent)
+        total += length * strength * motion.from_rest(friction, length=length, exponent=exponent)
     return total
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["attracted", "dahl", "slid", "yielding"]
+__all__ = ["attracted", "slid", "yielding"]
 
 Floats = NDArray[np.float64]
 
@@ -19,25 +19,6 @@ def _yielding(x, level, length, out):
         towards = level[i] if moved > 0.0 else -level[i]
         f = towards + (f - towards) * np.exp(-abs(moved) / (length * level[i]))
         out[i] = f
-
-
-@njit(cache=True)
-def _dahl(x, length, exponent, out):
-    z, more = 0.0, exponent - 1.0
-    out[0] = 0.0
-    for i in range(1, x.size):
-        moved = x[i] - x[i - 1]
-        if moved != 0.0:
-            # What is left to go obeys -d(left) = left^exponent over the way, whose solution is known.
-            towards, way = 1.0 if moved > 0.0 else -1.0, abs(moved) / length
-            left = max(1.0 - towards * z, 0.0)
-            if abs(more) < 1e-6:
-                left *= np.exp(-way)
-            elif left > 0.0:
-                rest = left**-more + more * way
-                left = rest ** (-1.0 / more) if rest > 0.0 else 0.0
-            z = towards * (1.0 - left)
-        out[i] = z
 
 
 @njit(cache=True)
@@ -75,17 +56,6 @@ def yielding(x: Floats, level: Floats, length: float) -> Floats:
     """LuGre bristle of stiffness 1/``length`` over ``x`` (n,) that yields at ``level`` (n,), shape (n,)."""
     out = np.zeros(x.size)
     _yielding(np.ascontiguousarray(x), np.ascontiguousarray(level), float(length), out)
-    return out
-
-
-def dahl(x: Floats, length: float, exponent: float) -> Floats:
-    """Direction of motion that builds up over ``x`` (n,) from rest, within ±1, shape (n,).
-
-    By its distance to ±1 to the power ``exponent`` over ``length``: one is a bristle, near zero a stop (Dahl, AIAA J. 14, 1976,
-    1675-1682).
-    """
-    out = np.empty(x.size)
-    _dahl(np.ascontiguousarray(x), float(length), float(exponent), out)
     return out
 
 
