@@ -21,7 +21,13 @@ from hystbench.diagnosis.corrected import CorrectedSimulator
 from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.emulator import generalised
 from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
-from hystbench.diagnosis.emulator.generalised import Generalised, motion_of, predict_generalised, spring_of
+from hystbench.diagnosis.emulator.generalised import (
+    Generalised,
+    motion_beside,
+    motion_of,
+    predict_generalised,
+    spring_of,
+)
 from hystbench.diagnosis.emulator.kinds import FRICTION_TABLE, KINDS, SPRING_TABLE
 from hystbench.diagnosis.emulator.motion import Extent, Motion
 from hystbench.diagnosis.emulator.placing import Placing
@@ -487,6 +493,20 @@ def test_rubber_of_a_simulator_that_goes_along_a_spline_begins_anew_where_that_o
     found = Generalised(Signals(time, x, y, y, [slice(0, x.size)], {}))
     assert found.error < 0.002
     assert "rubber along a spline" in found.further
+
+
+@pytest.mark.parametrize("half", [0.01, 0.03, 0.1])
+def test_rubber_along_a_spline_stays_where_a_clearance_holds_it(half: float) -> None:
+    def moved(time: Floats) -> Floats:
+        return 0.6 * np.sin(1.3 * time) + 0.3 * np.sin(2.9 * time)
+
+    time, finely = np.arange(0.0, 60.0, INTERVAL), np.arange(0.0, 60.0 - 0.9 * INTERVAL, INTERVAL / 5)
+    x, felt = moved(time), moved(finely)
+    loose, held = plays(x, np.array([half]))[:, 0], plays(felt, np.array([half]))[:, 0]
+    signals = Signals(time, x, x, x, [slice(0, x.size)], {})
+    made = KINDS["rubber along a spline"].columns(motion_beside(signals, loose), np.array([[0.06]]))[:, 0]
+    stiff, wanted = (0.06 * hyperbolic(path, 0.06)[::5] for path in (felt, held))
+    assert rms(made - wanted) < 0.01 * rms(wanted - stiff)
 
 
 def test_elements_that_share_sizes_are_not_placed_with_the_wrong_sign() -> None:

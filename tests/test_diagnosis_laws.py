@@ -122,7 +122,8 @@ def test_sides_whose_torque_is_off_in_opposite_ways_are_one_asymmetry() -> None:
 ELEMENTS = ((6.0, 0.12), (2.0, 0.15), (0.8, 0.16))
 
 
-@pytest.mark.parametrize("tones", [1, 3])
+# The last is held by friction nearly wherever it is.
+@pytest.mark.parametrize(("tones", "spring"), [(1, 4.0), (3, 4.0), (3, 0.3)])
 @pytest.mark.parametrize(
     ("width", "soft", "dry", "damping", "mass"),
     [
@@ -137,7 +138,7 @@ ELEMENTS = ((6.0, 0.12), (2.0, 0.15), (0.8, 0.16))
     ],
 )
 def test_a_clearance_in_series_is_crossed_where_the_torque_is_nil(
-    width: float, soft: float | None, tones: int, dry: float, damping: float, mass: float
+    width: float, soft: float | None, tones: int, spring: float, dry: float, damping: float, mass: float
 ) -> None:
     time, x = swelling()
     if tones == 1:
@@ -145,8 +146,8 @@ def test_a_clearance_in_series_is_crossed_where_the_torque_is_nil(
     speed = np.gradient(x, time)
     # The drive's own, on which the clearance has no hold.
     drag = dry * np.tanh(speed / 0.003) + damping * speed + mass * np.gradient(speed, time)
-    sim = drag + 4.0 * x + sliders(x, ELEMENTS)
-    wanted = drag + through_a_clearance(x, width, 4.0, ELEMENTS, soft) - sim
+    sim = drag + spring * x + sliders(x, ELEMENTS)
+    wanted = drag + through_a_clearance(x, width, spring, ELEMENTS, soft) - sim
     signals = Signals(time, x, sim + wanted, sim, [slice(0, x.size)], {})
     scene = SimulatorScene(signals, emulate(signals, None))
     laws = {form.name: form for form in registry.get("backlash")().forms(scene)}

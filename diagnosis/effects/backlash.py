@@ -7,14 +7,18 @@ from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
+from scipy.optimize import root
 
 from ..operators.masses import free_flight
 from ..operators.memory import plays
+from ..recording.noise import rms
 from .base import INPUT, Columns, Effect, Floats, Form, Parameter, Scene, geometric
 
 __all__ = ["Backlash"]
 
-ROUNDS = 4
+ROUNDS, MIXED, SETTLED = 6, 3, 1e-3
+"""Steps at most to where the joint lies within a clearance, of how many before each is made, and what is left of one, over the
+clearance's half, where it is there."""
 NEAR, MOVING, STEEP = 0.3, 1e-4, 0.9
 """Torque (over its standard deviation) that is near zero, way between samples (over the stroke) that is motion, and the
 quantile of the slopes there that the steps rest on: too steep only makes them shorter."""
@@ -112,30 +116,38 @@ def _crossed(scene: Scene, half: float) -> Floats:
     """Position within a clearance of ±``half`` in series with the joint, rad, shape (n,).
 
     Loaded, it lies at the flank that the torque presses it to; where the torque is nil the joint stands still and the
-    motion carries it across. So the joint's deflection is the one without torque, as near as the flanks let it come:
-    Newton's steps towards that, all samples at once. Damping and mass are the drive's: a joint that had them would leave
-    its place slowly, and here it would be thrown from one to the next.
+    motion carries it across. So the joint's deflection is the one without torque, as near as the flanks let it come.
+    Damping and mass are the drive's: a joint that had them would leave its place slowly, and here it would be thrown from
+    one to the next.
     """
     x, noise, torque, stiffness = _begun(scene, half)
-    joint = x
-    for _ in range(ROUNDS):
-        joint, before = np.clip(joint - torque / stiffness, x - half, x + half), torque
-        torque = scene.held_at(joint + noise)
-        # A step too far: the joint is stiffer here.
-        stiffness[torque * before < 0.0] *= 2.0
-    return x - np.clip(joint - torque / stiffness, x - half, x + half)
+
+    def nearer(joint: Floats, torque: Floats) -> Floats:
+        return np.clip(joint - torque / stiffness, x - half, x + half)
+
+    return x - _settled(lambda joint: nearer(joint, scene.held_at(joint + noise)) - joint, nearer(x, torque), x, half)
 
 
 def _pressed(scene: Scene, half: float, soft: float) -> Floats:
     """Position within a clearance of ±``half`` in series with the joint whose flanks yield over a torque of ``soft``, rad."""
-    x, noise, _, stiffness = _begun(scene, half)
-    joint, missed = x, np.zeros_like(x)
-    for _ in range(ROUNDS):
-        pressure = np.tanh(scene.held_at(joint + noise) / soft)
-        missed, before = joint + half * pressure - x, missed
-        stiffness[missed * before < 0.0] *= 2.0
-        joint = joint - missed / (1.0 + half * stiffness / soft * (1.0 - pressure**2))
-    return x - joint
+    x, noise, torque, stiffness = _begun(scene, half)
+
+    def missed(joint: Floats, torque: Floats) -> Floats:
+        pressure = np.tanh(torque / soft)
+        return (x - half * pressure - joint) / (1.0 + half * stiffness / soft * (1.0 - pressure**2))
+
+    return x - _settled(lambda joint: missed(joint, scene.held_at(joint + noise)), x + missed(x, torque), x, half)
+
+
+def _settled(step: Callable[[Floats], Floats], first: Floats, x: Floats, half: float) -> Floats:
+    """The joint's deflection from which a ``step`` (n,) towards less torque leads nowhere, within ±``half`` of ``x`` (n,), rad.
+
+    The steps are Newton's, of all samples at once with one stiffness. Friction makes a joint stiffer where it turns, and what
+    it was before a turn matters: mixed with those before they find their way (Anderson, J. ACM 12, 1965, 547-560).
+    """
+    mixed = {"alpha": 1.0, "M": MIXED}
+    options = {"maxiter": ROUNDS, "fatol": SETTLED * half, "tol_norm": rms, "line_search": None, "jac_options": mixed}
+    return np.clip(root(step, first, method="anderson", options=options).x, x - half, x + half)
 
 
 def _by_the_torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -143,10 +155,10 @@ def _by_the_torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return scene.signals.x - 0.5 * shape[0] * np.tanh(scene.torque / shape[1])
 
 
-def _begun(scene: Scene, half: float) -> tuple[Floats, Floats, Floats, Floats]:
-    """Where Newton's steps begin: the deflection and its noise, the torque behind the clearance and its slope, each (n,)."""
+def _begun(scene: Scene, half: float) -> tuple[Floats, Floats, Floats, float]:
+    """Where Newton's steps begin: the deflection, its noise and the torque behind the clearance, each (n,), and its slope."""
     x, torque = scene.signals.smooth_x, _held(scene)
-    return x, scene.signals.x - x, torque, np.full_like(x, _stiffness(scene) or _probed(scene, half))
+    return x, scene.signals.x - x, torque, _stiffness(scene) or _probed(scene, half)
 
 
 def _held(scene: Scene) -> Floats:

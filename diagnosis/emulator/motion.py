@@ -22,6 +22,8 @@ def _backward(series: Floats, time: Floats) -> Floats:
     return slope
 
 
+SAME = 1e-9
+"""Change of a difference between two samples, over the stroke, that is only rounding."""
 SUMMED = "central, summed up"
 DIFFERENCES: Mapping[str, Callable[[Floats, Floats], Floats]] = MappingProxyType({
     "central": np.gradient,
@@ -30,6 +32,18 @@ DIFFERENCES: Mapping[str, Callable[[Floats, Floats], Floats]] = MappingProxyType
 })  # fmt: skip
 """Derivatives of a series by time that simulators take which do not filter; memory may sum the speeds up instead of looking at the
 deflection."""
+
+
+def _overshoots(path: Floats, change: Floats) -> NDArray[np.bool_]:
+    """Between which two samples, shape (n - 1,), a ``path`` (n,) that differs by a ``change`` from a spline may go beyond both.
+
+    Where it turns itself, or differs by the same now and next: what a clearance holds does not turn wherever the spline does.
+    """
+    step = np.diff(path)
+    alike = np.append(np.abs(np.diff(change)) <= SAME * np.ptp(path), True)
+    turns = np.zeros(step.size, dtype=np.bool_)
+    turns[1:-1] = step[:-2] * step[2:] < 0.0
+    return np.asarray(turns | (alike[:-1] & alike[1:]))
 
 
 @dataclass(frozen=True)
@@ -124,6 +138,9 @@ class Motion:
             between = 0.5 * (change[1:] + change[:-1])
             if path.size > 1:
                 between += CubicSpline(time, bent)(0.5 * (time[1:] + time[:-1]))
+                between = np.where(
+                    _overshoots(path, change), between, np.clip(between, *np.sort([path[1:], path[:-1]], axis=0))
+                )
             ways.append(np.concatenate([[0.0, path[0]], np.column_stack([between, path[1:]]).ravel()]))
         return ways
 
