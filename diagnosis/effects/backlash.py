@@ -145,9 +145,14 @@ def _settled(step: Callable[[Floats], Floats], first: Floats, x: Floats, half: f
     The steps are Newton's, of all samples at once with one stiffness. Friction makes a joint stiffer where it turns, and what
     it was before a turn matters: mixed with those before they find their way (Anderson, J. ACM 12, 1965, 547-560).
     """
-    mixed = {"alpha": 1.0, "M": MIXED}
-    options = {"maxiter": ROUNDS, "fatol": SETTLED * half, "tol_norm": rms, "line_search": None, "jac_options": mixed}
-    return np.clip(root(step, first, method="anderson", options=options).x, x - half, x + half)
+    found = root(
+        step, first, method="anderson",
+        options={
+            "maxiter": ROUNDS, "fatol": SETTLED * half, "tol_norm": rms, "line_search": None,
+            "jac_options": {"alpha": 1.0, "M": MIXED},
+        },
+    )  # fmt: skip
+    return np.clip(found.x, x - half, x + half)
 
 
 def _by_the_torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
