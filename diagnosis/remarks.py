@@ -53,6 +53,11 @@ def _of_the_simulator(signals: Signals, emulator: Emulator, has_model: bool, cal
         yield f"{share:.2g} % of the samples were left out, about moments at which something knocks"
     if not has_model:
         yield f"the simulator is emulated by {emulator.name}, error {100.0 * emulator.error:.2g} % of its output"
+    if emulator.unknown > 0.0:
+        yield (
+            f"the simulator remembers a motion before the recording: how it answers was not asked of the first"
+            f" {100.0 * emulator.unknown:.2g} % of the samples"
+        )
     if signals.recorded is not None:
         yield (
             f"the simulator's output shows the noise of the recorded deflection ({rms(signals.recorded - signals.x):.2g}): what that"

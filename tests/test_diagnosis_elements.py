@@ -162,6 +162,52 @@ def test_joint_of_an_engine_behind_a_servo_is_followed_to_a_thousandth() -> None
     assert np.std(found.anew(0.85 * x) - wanted) < 0.0015 * np.std(wanted)
 
 
+def test_rotors_of_an_engine_that_swing_on_tendons_keep_their_swing() -> None:
+    mujoco = pytest.importorskip("mujoco")
+    rotor = (
+        '<body pos="0 {0} 0"><joint name="r{0}" type="hinge" axis="0 0 1" frictionloss="{1}" damping="0.08" armature="0.06"/>'
+        '<geom size="0.01" mass="1e-4"/></body>'
+    )
+    tendon = '<fixed stiffness="40"><joint joint="a" coef="1"/><joint joint="r{0}" coef="-1"/></fixed>'
+    model = mujoco.MjModel.from_xml_string(
+        f"""<mujoco><option timestep="0.002" integrator="implicitfast" gravity="0 0 0"/><worldbody><body><joint name="a"
+        type="hinge" axis="0 0 1" stiffness="9"/><geom size="0.03" mass="1"/></body>{rotor.format(1, 1.5)}{rotor.format(2, 5.0)}
+        </worldbody><tendon>{tendon.format(1)}{tendon.format(2)}</tendon></mujoco>"""
+    )
+
+    def engine(time: Floats, x: Floats) -> Floats:
+        data, course, torque = mujoco.MjData(model), CubicSpline(time, x), []
+        for now in np.arange(0.0, time[-1] + 0.001, 0.002):
+            data.qpos[0], data.qvel[0] = course(now), course(now, 1)
+            mujoco.mj_step(model, data)
+            torque.append(-data.qfrc_passive[0])
+        return np.asarray(torque)[::5]
+
+    found = Generalised(recorded(engine))
+    assert found.error < 3e-4
+    time, x = motion(40.0, 2.0, 0.5, 1.0)
+    wanted = engine(time, 0.85 * x)
+    assert np.std(found.anew(0.85 * x) - wanted) < 0.001 * np.std(wanted)
+
+
+@pytest.mark.parametrize("before", [3.0, 7.5, 13.0])
+def test_what_a_simulator_remembers_of_a_motion_before_the_recording_is_not_looked_at(before: float) -> None:
+    time, x = motion(60.0, 0.0, 1.0, 2.0)
+    y = 3.0 * x + sliders(x, ((6.0, 1.2), (4.0, 1.6)))
+    later = time >= before
+    signals = Signals(time[later] - before, x[later], y[later], y[later], [slice(0, int(later.sum()))], {})
+    found = Generalised(signals)
+    left = found.predict(signals.x) - signals.y_sim
+    assert rms(left[~found.known]) > 0.01 * np.std(signals.y_sim)
+    assert np.mean(found.known) > 0.7
+    assert found.error < 0.001
+    assert rms(left[found.known]) == pytest.approx(found.error * np.std(signals.y_sim[found.known]))
+    # It is the same joint.
+    along = Motion(time, x, [slice(0, x.size)], lambda: differentiate(time, x)[1:])
+    wanted = predict_generalised({**found.parameters(), "begun": False}, along)
+    assert rms(wanted - y) < 0.002 * np.std(y)
+
+
 def dahl(time: Floats, x: Floats) -> Floats:
     """Dahl friction of any exponent beside a spring that softens, explicit in small steps from rest at zero."""
     friction, before, out = 0.0, 0.0, np.zeros(x.size)
@@ -515,13 +561,13 @@ def test_elements_that_share_sizes_are_not_placed_with_the_wrong_sign() -> None:
     extent = Extent(signals.reach, float(np.std(signals.speed)), INTERVAL, 60.0)
     sizes = np.array([[0.05, 0.6, 0.4, 0.05, 1.0], [0.2, 0.6, 0.4, 0.05, 1.0], [0.5, 0.6, 0.4, 0.05, 1.0]])
     target = kind.columns(along, sizes) @ [3.0, 2.0, 1.0]
-    beside = np.ones((target.size, 1))
+    beside, known = np.ones((target.size, 1)), np.ones(target.size, dtype=np.bool_)
     # Something else as well, or a few elements would do.
     other = 0.005 * np.std(target) * np.sin(40.0 * signals.x)
     for sign in (1.0, -1.0):
-        found = Placing(extent, along, target + other, sign).placed({"a few slip elements": kind}, beside)
+        found = Placing(extent, along, target + other, known, sign).placed({"a few slip elements": kind}, beside)
         assert len(found) == (sign > 0.0)
-    (found,) = Placing(extent, along, target, 1.0).placed({"a few slip elements": kind}, beside).values()
+    (found,) = Placing(extent, along, target, known, 1.0).placed({"a few slip elements": kind}, beside).values()
     assert found[:, 1:] == pytest.approx(np.tile(sizes[0, 1:], (len(found), 1)), rel=0.03)
     for place in sizes[:, 0]:
         assert np.min(np.abs(found[:, 0] / place - 1.0)) < 0.03

@@ -83,6 +83,8 @@ class Emulator:
     parts: Floats
     parameters: Mapping[str, Any]
     split: Mapping[str, Any]
+    unknown: float = 0.0
+    """Share of the samples, where runs begin, at which the simulator remembers a motion before: they say nothing of it."""
     refitted: bool = False
     """Whether ``predict`` is of the simulator fitted again beside an effect on its input, not as it is."""
 
@@ -245,6 +247,7 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
         *own.tangent(),
         {"model": GENERALISED, "parameters": own.parameters()},
         own.parameters(),
+        1.0 - float(np.mean(own.known)),
     )
     # Tables follow much that is a law.
     rivalled = own.error > RIVALLED or any(KINDS[name].table for name in own.further)
@@ -255,10 +258,10 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
             # This model cannot describe such a simulator: the emulator so far stays.
             continue
         predict = _from_recorded_start(rival, signals)
-        error = relative_error(predict(signals.x), signals.y_sim)
+        error = relative_error(predict(signals.x)[own.known], signals.y_sim[own.known])
         if error < best.error:
             described = _of_model(rival, signals, best.structure, best.bulk, best.parts, best.split)
-            best = replace(described, name=name, error=error, predict=predict)
+            best = replace(described, name=name, error=error, predict=predict, unknown=best.unknown)
     return best
 
 

@@ -45,6 +45,9 @@ DEGREE = 5
 ELSEWHERE, CLOSER = 0.001, 0.97
 """Place where a run begins, over the reach, from which it is asked whether memory begins there too, and how much of the error must
 be left of one that begins at zero."""
+BEFORE, LATEST, CUTS = 2.5, 0.3, 60
+"""How much less a run is followed at its beginning than from there on where it depends on what was before it, the largest share of a
+run that may, and places that are tried for its end."""
 FEW = 3000
 """Samples that are enough to tell derivatives apart."""
 GOOD_ENOUGH = 0.01
@@ -54,7 +57,8 @@ GOOD_ENOUGH = 0.01
 class Generalised:
     """Elastic polynomial, stop operators, rate terms and further elements, identified by non-negative least squares.
 
-    Memory begins at zero, or, where ``anywhere`` and that is closer, where each run does.
+    Memory begins at zero, or, where ``anywhere`` and that is closer, where each run does; or, where what was before a run is
+    what is not followed, anywhere, and the beginning of the run is not looked at.
     """
 
     def __init__(self, signals: Signals, anywhere: bool = True) -> None:
@@ -62,10 +66,27 @@ class Generalised:
         self.reach = max(float(np.max(np.abs(signals.x))), 1e-300)
         self.lengths = np.geomspace(0.01, 0.4, BRISTLES) * self.reach
         self.fast = max(float(np.std(signals.speed)), 1e-300)
+        self.known = np.ones(signals.x.size, dtype=np.bool_)
         self._find(begun=False)
         starts = max(abs(float(signals.x[run][0])) for run in signals.runs)
         if anywhere and self.error > EMULATED and starts > ELSEWHERE * self.reach:
             self._take_if_closer(lambda: self._find(begun=True), CLOSER)
+        if anywhere and self.error > EMULATED:
+            self._leave_out_what_began_before()
+
+    def _leave_out_what_began_before(self) -> None:
+        """Identify all anew from where each run has forgotten what was before it, where that is what is not followed."""
+        left = self.predict(self.signals.x) - self.signals.y_sim
+        known = np.ones(left.size, dtype=np.bool_)
+        for run in self.signals.runs:
+            known[run][: _begins_to_follow(left[run])] = False
+        if known.all():
+            return
+        before, followed = vars(self).copy(), rms(left[known]) / float(np.std(self.signals.y_sim[known]))
+        self.known = known
+        self._find(begun=self.begun)
+        if self.error > CLOSER * followed:
+            vars(self).update(before)
 
     def _take_if_closer(self, identify: Callable[[], None], share: float = 1.0) -> None:
         """``identify`` anew, which is undone unless less than this share of the error is left."""
@@ -137,16 +158,19 @@ class Generalised:
         bounded = {STOPS: sign * stops} | {name: sign * made[name] for name in made if KINDS[name].one_sign}
         columns = np.hstack([*free.values(), *bounded.values()])
         places, several = places_of(free | bounded), sum(part.shape[1] for part in free.values())
-        moments = columns.T @ signals.y_sim
-        products = np.block([[columns.T @ columns, moments[:, None]], [moments, signals.y_sim @ signals.y_sim]])
+        seen, wanted = (
+            (columns, signals.y_sim) if self.known.all() else (columns[self.known], signals.y_sim[self.known])
+        )
+        moments = seen.T @ wanted
+        products = np.block([[seen.T @ seen, moments[:, None]], [moments, wanted @ wanted]])
 
         def solved(at: NDArray[np.intp]) -> tuple[Floats, float]:
             """Weights of the columns ``at``, zero of the others, and the error that they leave."""
             weights = np.zeros(columns.shape[1])
             free_ones = int(np.count_nonzero(at < several))
             chosen = np.ix_([*at, -1], [*at, -1])
-            weights[at] = solve(products[chosen], elastic.shape[1], free_ones, signals.x.size)
-            return weights, relative_error(columns @ weights, signals.y_sim)
+            weights[at] = solve(products[chosen], elastic.shape[1], free_ones, wanted.size)
+            return weights, relative_error(seen @ weights, wanted)
 
         everything = np.arange(columns.shape[1])
         solution, self.error = solved(everything)
@@ -175,7 +199,7 @@ class Generalised:
         if not signals.timed:
             # There is no telling at which speed anything gives way.
             kinds = {name: kind for name, kind in KINDS.items() if not (kind.timed or (kind.limits and kind.by_speed))}
-        growth = Growth(there, few, self.sign, kinds, extent, self.motion, signals.y_sim)
+        growth = Growth(there, few, self.sign, kinds, extent, self.motion, signals.y_sim, self.known)
         finer, further = growth.needed(placing)
         return FINER if finer else ELEMENTS, further
 
@@ -186,7 +210,8 @@ class Generalised:
         left = self.signals.y_sim - self.predict(self.signals.x)
         kinks = KINDS[KINKS].columns(self.motion, sizes)
         elastic = _elastic(self.signals.x, self.reach)
-        step = np.linalg.lstsq(np.hstack([moved, kinks, elastic]), left, rcond=1e-10)[0][: weights.size]
+        columns = np.hstack([moved, kinks, elastic])[self.known]
+        step = np.linalg.lstsq(columns, left[self.known], rcond=1e-10)[0][: weights.size]
         most = 0.04 * self.reach
         return np.clip(sizes + np.clip(step, -most, most)[:, None], -self.reach, self.reach)
 
@@ -197,7 +222,7 @@ class Generalised:
         """
         if motion.path is not self.motion.path:
             elements = _elements(motion, self.thresholds, self.lengths)
-        some, kind = spread(self.signals.x.size, FEW), KINDS[BY_SPEED]
+        some, kind = spread(self.known, FEW), KINDS[BY_SPEED]
         rates = _rates(motion.speed, motion.acceleration, self.fast)
         friction = kind.columns(motion, kind.sizes(self._extent))
         elastic = _elastic(motion.x, self.reach)
@@ -295,6 +320,16 @@ def predict_beside(parameters: Mapping[str, Any], signals: Signals, x: Floats) -
 def relative_error(predicted: Floats, wanted: Floats) -> float:
     """RMS of the difference over the standard deviation of what is wanted."""
     return rms(predicted - wanted) / max(float(np.std(wanted)), 1e-300)
+
+
+def _begins_to_follow(left: Floats) -> int:
+    """From which sample on much less is ``left`` (n,) of a run than before; 0 where it is not so."""
+    squares = np.cumsum(np.square(left)) + 1e-300
+    cuts = np.unique(np.linspace(0.0, LATEST * left.size, CUTS + 1).astype(np.intp))[1:]
+    first, rest = squares[cuts - 1] / cuts, (squares[-1] - squares[cuts - 1] + 1e-300) / (left.size - cuts)
+    # Where two levels make what is left likelier than anywhere else.
+    at = int(np.argmin(cuts * np.log(first) + (left.size - cuts) * np.log(rest)))
+    return int(cuts[at]) if first[at] > BEFORE**2 * rest[at] else 0
 
 
 def motion_of(signals: Signals) -> Motion:

@@ -45,6 +45,8 @@ class Growth:
         What a recording spans, and its input as these elements see it.
     target : array, shape (n,)
         What is to be emulated.
+    known : array of bool, shape (n,)
+        Where it is.
     """
 
     def __init__(
@@ -56,12 +58,13 @@ class Growth:
         extent: Extent,
         motion: Motion,
         target: Floats,
+        known: NDArray[np.bool_],
     ) -> None:
         self._few, self._sign, self._kinds = few, sign, kinds
         self._motion, self._target = motion, target
-        self._placing = Placing(extent, motion, target, sign)
+        self._placing = Placing(extent, motion, target, known, sign)
         self._beside = [there[ELASTIC], there[STOPS][:, few], there[RATES]]
-        self._some = spread(target.size)
+        self._some = spread(known)
         self._there = {name: columns[self._some] for name, columns in there.items()}
         self._there[STOPS] = sign * self._there[STOPS]
         self._sizes = {name: kind.sizes(extent) for name, kind in kinds.items() if kind.limits is None}

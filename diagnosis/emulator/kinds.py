@@ -406,6 +406,21 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         limits=lambda extent: extent.drive * [[0.003, 0.001, 0.05, 0.001, 0.003], [2.0, 0.2, 20.0, 2.0, 10.0]],
         evident=True,
     ),
+    # Joints of an engine for rigid bodies (MuJoCo and its like) have mass, damping and dry friction that creeps.
+    "a few sliders with mass": Kind(
+        MEMORY, True,
+        lambda extent: extent.body * _with(
+            np.geomspace(0.02, 1.0, 8),
+            *itertools.product((0.03, 0.1, 0.4, 1.6), (0.3, 2.0), (0.003, 0.05), (0.01,), (0.01,), (0.1,)),
+            # One that swings is found near its own frequency only.
+            *itertools.product(np.geomspace(0.1, 1.0, 8), (0.05,), (0.05,), (0.01,), (0.01,), (0.1,)),
+        ),
+        _timed(sliding),
+        {1: (0.0, np.inf), 3: (0.0, np.inf)},
+        timed=True,
+        limits=lambda extent: extent.body * BODIES,
+        later=(5, 6),
+    ),
     # Series elastic actuators and gears whose load swings behind the spring and rubs there: by a bristle (Dahl, LuGre) or by the
     # sign of its speed, made smooth.
     "a few springs held by a load": _held_by_load(lambda extent: extent.load[:7], (0.02, 1e-3, 0.3)),
@@ -477,20 +492,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         by_speed=True,
         last=True,
     ),
-    # Joints of an engine for rigid bodies (MuJoCo and its like) have mass, damping and dry friction that creeps.
-    "a few sliders with mass": Kind(
-        MEMORY, True,
-        lambda extent: extent.body * _with(
-            np.geomspace(0.02, 1.0, 8),
-            *itertools.product((0.03, 0.1, 0.4, 1.6), (0.3, 2.0), (0.003, 0.05), (0.01,), (0.01,), (0.1,)),
-        ),
-        _timed(sliding),
-        {1: (0.0, np.inf), 3: (0.0, np.inf)},
-        timed=True,
-        limits=lambda extent: extent.body * BODIES,
-        later=(5, 6),
-    ),
-    # The same up to joint limits or pads.
+    # Joints of such an engine up to joint limits or pads.
     "a few sliders with mass between stops": Kind(
         MEMORY, True,
         lambda extent: extent.stopped * _with(

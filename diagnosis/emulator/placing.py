@@ -44,15 +44,17 @@ RICH, POOR = 8, 0.01
 
 
 class Placing:
-    """Elements that emulate ``target`` (n,) best, of a recording that spans ``extent``, along its ``motion``.
+    """Elements that emulate ``target`` (n,) where it is ``known`` best, of a recording that spans ``extent``, along its ``motion``.
 
     The weights of those that must have one sign have that of ``sign``.
     """
 
-    def __init__(self, extent: Extent, motion: Motion, target: Floats, sign: float) -> None:
+    def __init__(self, extent: Extent, motion: Motion, target: Floats, known: NDArray[np.bool_], sign: float) -> None:
         self._extent, self._motion, self._target, self._sign = extent, motion, target, sign
-        self._rows = _rows(motion)
-        self._thin = motion.at(self._rows)
+        rows = _rows(motion)
+        # What is not known is memory all the same.
+        self._thin, self._kept = motion.at(rows), known[rows]
+        self._rows = rows[self._kept]
         self._choices: dict[str, tuple[Floats, Floats]] = {}
         """Sizes and columns of those to choose from of each kind, which stay the same beside others."""
 
@@ -110,7 +112,7 @@ class Placing:
         if kind.timed or kind.by_speed or kind.all_along:
             return lambda sizes: kind.columns(self._motion, sizes)[self._rows]
         # Most of what knows neither time nor speed needs only the turns of the motion.
-        return functools.partial(kind.columns, self._thin)
+        return lambda sizes: kind.columns(self._thin, sizes)[self._kept]
 
 
 def _rows(motion: Motion) -> NDArray[np.intp]:

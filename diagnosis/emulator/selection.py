@@ -32,9 +32,10 @@ WORTHWHILE = 0.85
 """What must be left of the error at most for an element to be taken in."""
 
 
-def spread(samples: int, enough: int = ENOUGH) -> slice:
-    """Samples spread over a recording that are enough to choose elements by."""
-    return slice(None, None, max(samples // enough, 1))
+def spread(known: NDArray[np.bool_], enough: int = ENOUGH) -> Places:
+    """Samples spread over those ``known`` (n,) of a recording that are enough to choose elements by."""
+    at = np.flatnonzero(known)
+    return at[:: max(at.size // enough, 1)]
 
 
 def solve(products: Floats, elastic: int, free: int, samples: int) -> Floats:

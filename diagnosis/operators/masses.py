@@ -51,6 +51,15 @@ def _held(speed, pulled, h, part, push, kept, left, share, inert, sticky, fricti
 
 
 @njit(cache=True)
+def _bent(time, x, i):
+    # A cubic through two samples with the slopes of their neighbours (Catmull and Rom, 1974): a mass is driven by the curvature.
+    moved = x[i] - x[i - 1]
+    before = 0.5 * (x[i] - x[i - 2]) if i > 1 and time[i - 1] > time[i - 2] else moved
+    after = 0.5 * (x[i + 1] - x[i - 1]) if i + 1 < x.size else moved
+    return before, 3.0 * moved - 2.0 * before - after, before + after - 2.0 * moved
+
+
+@njit(cache=True)
 def _sliding(time, x, level, frequency, damping, creep, late, early, share, upper, lower, hold, give, out):
     place, speed = 0.0, 0.0
     friction = level * frequency * frequency
@@ -65,15 +74,17 @@ def _sliding(time, x, level, frequency, damping, creep, late, early, share, uppe
             continue
         h = dt / SUBSTEPS
         pull = frequency * frequency
-        inert = 2.0 * damping * frequency + h * pull
+        inert = 2.0 * damping * frequency
         # Away from stops all but the speed is known before: a division in each step would take most of the time.
         holding, slipping = 1.0 / (1.0 + h * (share * inert + sticky)), 1.0 / (1.0 + h * inert)
         firm = hold * hold
         stopping = 2.0 * hold + h * firm
-        step = (x[i] - x[i - 1]) / SUBSTEPS
-        ahead = x[i - 1] + early * (x[i] - x[i - 1]) / dt
+        ahead = early * (x[i] - x[i - 1]) / dt
+        a, b, c = _bent(time, x, i)
         for k in range(SUBSTEPS):
-            pulled = pull * (ahead + step * (k + 1) - place)
+            # The spring pulls by where the mass was: that neither damps nor drives it.
+            u = k / SUBSTEPS
+            pulled = pull * (ahead + x[i - 1] + u * (a + u * (b + u * c)) - place)
             touching = place > upper or place < -lower
             beyond = max(place - upper, 0.0) + min(place + lower, 0.0) if touching else 0.0
             # A stop only pushes. All is implicit, so that it stays stable however stiff.
