@@ -83,8 +83,11 @@ class Generalised:
         if known.all():
             return
         before, followed = vars(self).copy(), rms(left[known]) / float(np.std(self.signals.y_sim[known]))
-        self.known = known
-        self._find(begun=self.begun)
+        begun, self.known = self.begun, known
+        # Whatever it was, its memory may as well have begun at zero, where no spring has a preload because of that.
+        self._find(begun=False)
+        if begun and self.error > EMULATED:
+            self._take_if_closer(lambda: self._find(begun=True), CLOSER)
         if self.error > CLOSER * followed:
             vars(self).update(before)
 

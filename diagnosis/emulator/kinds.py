@@ -108,6 +108,8 @@ class Kind:
         Where its elements are the nodes of one table: which sizes are their places and the interval between them, which stay.
     evident : bool
         Whether, where there is one, those to choose from help much before they are moved, with the sign that they must have.
+    starts : int
+        At how many of those to choose from each is begun: what swings is easily begun beside its place.
     """
 
     part: str
@@ -129,6 +131,7 @@ class Kind:
     like: str = ""
     evident: bool = False
     table: Sequence[int] = ()
+    starts: int = 2
 
     def torque(self, motion: Motion, sizes: Floats, weights: Floats) -> Floats:
         """Torque of all elements of these sizes and weights, N·m, shape (n,)."""
@@ -420,6 +423,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         timed=True,
         limits=lambda extent: extent.body * BODIES,
         later=(5, 6),
+        starts=3,
     ),
     # Series elastic actuators and gears whose load swings behind the spring and rubs there: by a bristle (Dahl, LuGre) or by the
     # sign of its speed, made smooth.

@@ -21,8 +21,6 @@ MOST, MANY = 4, 8
 """Elements that are placed at most; and of those that share all sizes but one."""
 NODES = 32
 """Nodes of a table of which columns are kept."""
-STARTS = 2
-"""Elements to choose from at which each begins."""
 ALIKE = 0.8
 """Correlation of two elements from which both would lead to the same."""
 STEPS, MORE = (10, 3e-3), (30, 1e-4)
@@ -149,7 +147,7 @@ class _Maker:
         self._moves = ~np.isin(np.arange(self._low.size), kind.table)
         self._shared, self._is_table = list(kind.shared), bool(kind.table)
         self._most = MANY if kind.shared else MOST
-        self._evident = kind.evident
+        self._evident, self._begun_at = kind.evident, kind.starts
         self._hopeless_at_first = HIDDEN if kind.evident else COSTLY if kind.timed else HOPELESS
         self._worthwhile = EVIDENTLY if kind.evident else WORTHWHILE
         self._starts, self._tried = self._logs(choices[0]), choices[1]
@@ -300,7 +298,7 @@ class _Maker:
         hopeless = HOPELESS if logs.size else self._hopeless_at_first
         if np.max(gain) < (1.0 - hopeless**2) * error**2:
             return logs, error
-        found = [self._moved(self._begun(logs, at), STEPS, self._first) for at in _unlike(beyond, gain)]
+        found = [self._moved(self._begun(logs, at), STEPS, self._first) for at in _unlike(beyond, gain, self._begun_at)]
         return min(found, key=lambda each: each[1])
 
     def _begun(self, logs: Floats, at: int) -> Floats:
@@ -310,13 +308,13 @@ class _Maker:
         return rows.ravel()
 
 
-def _unlike(columns: Floats, gain: Floats) -> list[int]:
-    """Of columns (n, k) those few of the largest ``gain`` (k,) that are not nearly the same."""
+def _unlike(columns: Floats, gain: Floats, count: int) -> list[int]:
+    """Of columns (n, k) those ``count`` of the largest ``gain`` (k,) that are not nearly the same."""
     unit = columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
     taken: list[int] = []
     for at in np.argsort(-gain).tolist():
         if np.all(np.abs(unit[:, taken].T @ unit[:, at]) < ALIKE):
             taken.append(at)
-        if len(taken) == STARTS:
+        if len(taken) == count:
             break
     return taken
