@@ -32,7 +32,7 @@ from hystbench.diagnosis.emulator.kinds import FRICTION_TABLE, KINDS, SPRING_TAB
 from hystbench.diagnosis.emulator.motion import Extent, Motion
 from hystbench.diagnosis.emulator.placing import Placing
 from hystbench.diagnosis.operators.levels import attracted
-from hystbench.diagnosis.operators.masses import held_by_load
+from hystbench.diagnosis.operators.masses import held_by_load, sliding
 from hystbench.diagnosis.operators.memory import held_inside, hyperbolic, orifice, plays
 from hystbench.diagnosis.operators.smooth_loops import pinched, smooth
 from hystbench.diagnosis.operators.superelastic import superelastic
@@ -190,6 +190,13 @@ def test_rotors_of_an_engine_that_swing_on_tendons_keep_their_swing() -> None:
     assert np.std(found.anew(0.85 * x) - wanted) < 0.001 * np.std(wanted)
 
 
+def test_a_mass_whose_samples_are_far_apart_stays_on_its_spring() -> None:
+    time = np.array([*np.arange(0.0, 1.0, INTERVAL), *np.arange(5.0, 9.0, 0.8)])
+    x = np.sin(3.0 * time)
+    for frequency in (30.0, 600.0):
+        assert np.max(np.abs(sliding(time, x, 0.05, frequency, 0.05, 1.0, 0.0))) < 2.0
+
+
 @pytest.mark.parametrize("before", [3.0, 7.5, 13.0])
 def test_what_a_simulator_remembers_of_a_motion_before_the_recording_is_not_looked_at(before: float) -> None:
     time, x = motion(60.0, 0.0, 1.0, 2.0)
@@ -202,6 +209,7 @@ def test_what_a_simulator_remembers_of_a_motion_before_the_recording_is_not_look
     assert np.mean(found.known) > 0.7
     assert found.error < 0.001
     assert rms(left[found.known]) == pytest.approx(found.error * np.std(signals.y_sim[found.known]))
+    assert emulate(signals, None).unknown == pytest.approx(np.mean(~found.known))
     # It is the same joint.
     along = Motion(time, x, [slice(0, x.size)], lambda: differentiate(time, x)[1:])
     wanted = predict_generalised({**found.parameters(), "begun": False}, along)

@@ -13,6 +13,7 @@ from hystbench.diagnosis.blind.cases import DEVELOPMENT_PLANTS
 from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.effects.encoder_eccentricity import EncoderEccentricity
 from hystbench.diagnosis.effects.stribeck_friction import StribeckFriction
+from hystbench.diagnosis.emulator import generalised
 from hystbench.diagnosis.emulator.emulation import SimulatorScene
 from hystbench.diagnosis.operators.levels import yielding
 from hystbench.diagnosis.recording.signals import Signals
@@ -107,8 +108,11 @@ def test_a_shift_of_the_spring_is_not_blamed_on_an_offset_of_the_torque_and_its_
     assert withheld.verdict == ["unknown"]
 
 
-def test_an_offset_of_the_torque_is_not_blamed_on_one_of_the_deflection_that_the_simulators_errors_make_even() -> None:
-    # By itself the offset of the deflection adds more where the spring is stiffer.
+def test_an_offset_of_the_torque_is_not_blamed_on_one_of_the_deflection_that_the_simulators_errors_make_even(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # By itself the offset of the deflection adds more where the spring is stiffer; so told by an emulator that is off by 0.4 %.
+    monkeypatch.setattr(generalised, "BEFORE", np.inf)
     case, withheld = developed(61236, *DEVELOPMENT_PLANTS)
     assert case.excluded == ("torque_offset",)
     assert withheld.choice.hypothesis.names == {"deflection_offset"}

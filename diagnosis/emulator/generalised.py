@@ -76,13 +76,13 @@ class Generalised:
 
     def _leave_out_what_began_before(self) -> None:
         """Identify all anew from where each run has forgotten what was before it, where that is what is not followed."""
-        left = self.predict(self.signals.x) - self.signals.y_sim
-        known = np.ones(left.size, dtype=np.bool_)
+        predicted, wanted = self.predict(self.signals.x), self.signals.y_sim
+        known = np.ones(wanted.size, dtype=np.bool_)
         for run in self.signals.runs:
-            known[run][: _begins_to_follow(left[run])] = False
+            known[run][: _begins_to_follow((predicted - wanted)[run])] = False
         if known.all():
             return
-        before, followed = vars(self).copy(), rms(left[known]) / float(np.std(self.signals.y_sim[known]))
+        before, followed = vars(self).copy(), relative_error(predicted[known], wanted[known])
         begun, self.known = self.begun, known
         # Whatever it was, its memory may as well have begun at zero, where no spring has a preload because of that.
         self._find(begun=False)
@@ -329,6 +329,8 @@ def _begins_to_follow(left: Floats) -> int:
     """From which sample on much less is ``left`` (n,) of a run than before; 0 where it is not so."""
     squares = np.cumsum(np.square(left)) + 1e-300
     cuts = np.unique(np.linspace(0.0, LATEST * left.size, CUTS + 1).astype(np.intp))[1:]
+    if not cuts.size:
+        return 0
     first, rest = squares[cuts - 1] / cuts, (squares[-1] - squares[cuts - 1] + 1e-300) / (left.size - cuts)
     # Where two levels make what is left likelier than anywhere else.
     at = int(np.argmin(cuts * np.log(first) + (left.size - cuts) * np.log(rest)))

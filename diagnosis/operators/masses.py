@@ -11,6 +11,8 @@ __all__ = ["free_flight", "held_by_load", "resonated", "sliding"]
 Floats = NDArray[np.float64]
 SUBSTEPS = 4
 """Steps of a mass between two samples."""
+STIFFEST = 1.8
+"""Frequency of a mass that swings, over that of its steps, up to which these are stable, and a little to spare."""
 NEWTON = 20
 """Steps at most to the speed at which friction that follows it holds a mass."""
 
@@ -62,8 +64,6 @@ def _bent(time, x, i):
 @njit(cache=True)
 def _sliding(time, x, level, frequency, damping, creep, late, early, share, upper, lower, hold, give, out):
     place, speed = 0.0, 0.0
-    friction = level * frequency * frequency
-    sticky = share * friction / creep
     out[0] = 0.0
     for i in range(1, x.size):
         dt = time[i] - time[i - 1]
@@ -73,7 +73,11 @@ def _sliding(time, x, level, frequency, damping, creep, late, early, share, uppe
             out[i] = x[i] - place
             continue
         h = dt / SUBSTEPS
-        pull = frequency * frequency
+        # A spring that is too stiff for the step gets as much mass as it takes.
+        swing = min(frequency, STIFFEST / h)
+        pull = swing * swing
+        friction = level * pull
+        sticky = share * friction / creep
         inert = 2.0 * damping * frequency
         # Away from stops all but the speed is known before: a division in each step would take most of the time.
         holding, slipping = 1.0 / (1.0 + h * (share * inert + sticky)), 1.0 / (1.0 + h * inert)
