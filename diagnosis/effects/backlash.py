@@ -120,39 +120,45 @@ def _crossed(scene: Scene, half: float) -> Floats:
     Damping and mass are the drive's: a joint that had them would leave its place slowly, and here it would be thrown from
     one to the next.
     """
-    x, noise, torque, stiffness = _begun(scene, half)
+    x, stiffness = scene.signals.smooth_x, _slope(scene, half)
 
-    def nearer(joint: Floats, torque: Floats) -> Floats:
-        return np.clip(joint - torque / stiffness, x - half, x + half)
+    def step(joint: Floats, torque: Floats) -> Floats:
+        return np.clip(joint - torque / stiffness, x - half, x + half) - joint
 
-    return x - _settled(lambda joint: nearer(joint, scene.held_at(joint + noise)) - joint, nearer(x, torque), x, half)
+    return _settled(scene, half, step)
 
 
 def _pressed(scene: Scene, half: float, soft: float) -> Floats:
     """Position within a clearance of ±``half`` in series with the joint whose flanks yield over a torque of ``soft``, rad."""
-    x, noise, torque, stiffness = _begun(scene, half)
+    x, stiffness = scene.signals.smooth_x, _slope(scene, half)
 
-    def missed(joint: Floats, torque: Floats) -> Floats:
+    def step(joint: Floats, torque: Floats) -> Floats:
         pressure = np.tanh(torque / soft)
         return (x - half * pressure - joint) / (1.0 + half * stiffness / soft * (1.0 - pressure**2))
 
-    return x - _settled(lambda joint: missed(joint, scene.held_at(joint + noise)), x + missed(x, torque), x, half)
+    return _settled(scene, half, step)
 
 
-def _settled(step: Callable[[Floats], Floats], first: Floats, x: Floats, half: float) -> Floats:
-    """The joint's deflection from which a ``step`` (n,) towards less torque leads nowhere, within ±``half`` of ``x`` (n,), rad.
+def _settled(scene: Scene, half: float, step: Callable[[Floats, Floats], Floats]) -> Floats:
+    """Position within ±``half`` where a ``step`` (n,), made of the joint's deflection and its torque, leads nowhere, rad, shape (n,).
 
     The steps are Newton's, of all samples at once with one stiffness. Friction makes a joint stiffer where it turns, and what
     it was before a turn matters: mixed with those before they find their way (Anderson, J. ACM 12, 1965, 547-560).
     """
+    x = scene.signals.smooth_x
+    noise = scene.signals.x - x
+
+    def further(joint: Floats) -> Floats:
+        return step(joint, scene.held_at(joint + noise))
+
     found = root(
-        step, first, method="anderson",
+        further, x + step(x, _held(scene)), method="anderson",
         options={
             "maxiter": ROUNDS, "fatol": SETTLED * half, "tol_norm": rms, "line_search": None,
             "jac_options": {"alpha": 1.0, "M": MIXED},
         },
     )  # fmt: skip
-    return np.clip(found.x, x - half, x + half)
+    return x - np.clip(found.x, x - half, x + half)
 
 
 def _by_the_torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -160,10 +166,9 @@ def _by_the_torque(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return scene.signals.x - 0.5 * shape[0] * np.tanh(scene.torque / shape[1])
 
 
-def _begun(scene: Scene, half: float) -> tuple[Floats, Floats, Floats, float]:
-    """Where Newton's steps begin: the deflection, its noise and the torque behind the clearance, each (n,), and its slope."""
-    x, torque = scene.signals.smooth_x, _held(scene)
-    return x, scene.signals.x - x, torque, _stiffness(scene) or _probed(scene, half)
+def _slope(scene: Scene, half: float) -> float:
+    """The slope on which the steps rest, N·m/rad."""
+    return _stiffness(scene) or _probed(scene, half)
 
 
 def _held(scene: Scene) -> Floats:

@@ -67,10 +67,8 @@ class Generalised:
         self.lengths = np.geomspace(0.01, 0.4, BRISTLES) * self.reach
         self.fast = max(float(np.std(signals.speed)), 1e-300)
         self.known = np.ones(signals.x.size, dtype=np.bool_)
-        self._find(begun=False)
         starts = max(abs(float(signals.x[run][0])) for run in signals.runs)
-        if anywhere and self.error > EMULATED and starts > ELSEWHERE * self.reach:
-            self._take_if_closer(lambda: self._find(begun=True), CLOSER)
+        self._find_either(anywhere and starts > ELSEWHERE * self.reach)
         if anywhere and self.error > EMULATED:
             self._leave_out_what_began_before()
 
@@ -85,9 +83,7 @@ class Generalised:
         before, followed = vars(self).copy(), relative_error(predicted[known], wanted[known])
         begun, self.known = self.begun, known
         # Whatever it was, its memory may as well have begun at zero, where no spring has a preload because of that.
-        self._find(begun=False)
-        if begun and self.error > EMULATED:
-            self._take_if_closer(lambda: self._find(begun=True), CLOSER)
+        self._find_either(begun)
         if self.error > CLOSER * followed:
             vars(self).update(before)
 
@@ -97,6 +93,12 @@ class Generalised:
         identify()
         if self.error >= share * before["error"]:
             vars(self).update(before)
+
+    def _find_either(self, elsewhere: bool) -> None:
+        """Identify all, of a simulator whose memory begins at zero or, if ``elsewhere`` and that is closer, where each run does."""
+        self._find(begun=False)
+        if elsewhere and self.error > EMULATED:
+            self._take_if_closer(lambda: self._find(begun=True), CLOSER)
 
     def _find(self, begun: bool) -> None:
         """Identify all, of a simulator whose memory begins where each run does or at zero."""

@@ -147,7 +147,7 @@ class _Maker:
         self._moves = ~np.isin(np.arange(self._low.size), kind.table)
         self._shared, self._is_table = list(kind.shared), bool(kind.table)
         self._most = MANY if kind.shared else MOST
-        self._evident, self._begun_at = kind.evident, kind.starts
+        self._evident, self._tries = kind.evident, kind.starts
         self._hopeless_at_first = HIDDEN if kind.evident else COSTLY if kind.timed else HOPELESS
         self._worthwhile = EVIDENTLY if kind.evident else WORTHWHILE
         self._starts, self._tried = self._logs(choices[0]), choices[1]
@@ -298,7 +298,7 @@ class _Maker:
         hopeless = HOPELESS if logs.size else self._hopeless_at_first
         if np.max(gain) < (1.0 - hopeless**2) * error**2:
             return logs, error
-        found = [self._moved(self._begun(logs, at), STEPS, self._first) for at in _unlike(beyond, gain, self._begun_at)]
+        found = [self._moved(self._begun(logs, at), STEPS, self._first) for at in _unlike(beyond, gain, self._tries)]
         return min(found, key=lambda each: each[1])
 
     def _begun(self, logs: Floats, at: int) -> Floats:

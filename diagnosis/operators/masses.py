@@ -91,7 +91,7 @@ def _sliding(time, x, level, frequency, damping, creep, late, early, share, uppe
             pulled = pull * (ahead + x[i - 1] + u * (a + u * (b + u * c)) - place)
             touching = place > upper or place < -lower
             beyond = max(place - upper, 0.0) + min(place + lower, 0.0) if touching else 0.0
-            # A stop only pushes. All is implicit, so that it stays stable however stiff.
+            # A stop only pushes. It is implicit, so that it stays stable however stiff.
             if touching and (hold * beyond + 2.0 * speed) * beyond > 0.0:
                 kept = 1.0 / (1.0 + h * (give * (share * inert + sticky) + stopping))
                 left = 1.0 / (1.0 + h * (give * inert + stopping))
