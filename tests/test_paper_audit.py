@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hystbench.reports.paper import audit as module
 from hystbench.reports.paper import printed
-from hystbench.reports.paper.audit import SEVERITIES, AuditRow, audit
+from hystbench.reports.paper.audit import SEVERITIES, AuditRow, as_records, audit, printed_tables
 
 PINNED: dict[str, tuple[str, dict[str, float]]] = {
     "intro-model-list": ("misprint", {"listed": 5.0, "distinct": 4.0}),
@@ -149,12 +148,12 @@ def test_a_row_is_what_it_was(rows: dict[str, AuditRow], name: str) -> None:
 
 
 def test_rows_are_plain_data(rows: dict[str, AuditRow]) -> None:
-    assert [record["id"] for record in json.loads(json.dumps(module.as_records()))] == list(rows)
+    assert [record["id"] for record in json.loads(json.dumps(as_records()))] == list(rows)
 
 
 def found_with(monkeypatch: pytest.MonkeyPatch, row: str, **changes: Any) -> bool:
     for name, value in changes.items():
-        monkeypatch.setattr(module, name, value)
+        monkeypatch.setattr(printed_tables, name, value)
     return next(r for r in audit() if r.id == row).contradicts
 
 
