@@ -18,6 +18,17 @@ INTERVAL = 0.01
 STEPS = 30
 """Of a load's motion between two samples."""
 
+
+def motion(seconds: float, *phases: float) -> tuple[Floats, Floats]:
+    """A time and a deflection that begins at zero and at rest, of three sines with these phases."""
+    time = np.arange(0.0, seconds, INTERVAL)
+    x = sum(
+        size * np.sin(2.0 * np.pi * rate * time + phase)
+        for size, rate, phase in zip((0.6, 0.3, 0.15), (0.17, 0.43, 1.1), phases, strict=True)
+    )
+    return time, np.asarray(x - x[0] * np.exp(-time / 0.3)) * (1.0 - np.exp(-time / 0.5))
+
+
 # Each with its parameters off by ``e``, some up and some down.
 
 
