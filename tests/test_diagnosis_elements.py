@@ -204,6 +204,28 @@ def test_what_a_simulator_remembers_of_a_motion_before_the_recording_is_not_look
     assert rms(wanted - y) < 0.002 * np.std(y)
 
 
+@pytest.mark.parametrize(("name", "before", "allowed"), [("leaves", 13.0, 0.0002), ("metal", 7.5, 0.007)])
+def test_a_beginning_is_left_out_though_it_did_not_show_at_first_or_not_as_far(
+    name: str, before: float, allowed: float
+) -> None:
+    time, x = motion(60.0, 0.0, 1.0, 2.0)
+    y, later = JOINTS[name][0](time, x), time >= before
+    signals = Signals(time[later] - before, x[later], y[later], y[later], [slice(0, int(later.sum()))], {})
+    found = Generalised(signals)
+    assert np.mean(found.known) > 0.9
+    assert found.error < allowed
+
+
+def test_damper_moved_slowly_to_one_side_is_followed_though_it_seems_to_turn_the_other_way_round() -> None:
+    time, along = motion(60.0, 0.0, 1.0, 2.0)
+    x = np.interp(time / 5.0, time, along)
+    x = 0.4 * (x - np.max(np.abs(x)) * (1.0 - np.exp(-time)))
+    y = damper(time, x)
+    found = Generalised(Signals(time, x, y, y, [slice(0, x.size)], {}))
+    assert found.sign > 0.0
+    assert found.error < 0.0005
+
+
 def dahl(time: Floats, x: Floats) -> Floats:
     """Dahl friction of any exponent beside a spring that softens, explicit in small steps from rest at zero."""
     friction, before, out = 0.0, 0.0, np.zeros(x.size)

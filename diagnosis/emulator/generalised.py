@@ -48,6 +48,10 @@ be left of one that begins at zero."""
 BEFORE, LATEST, CUTS = 2.5, 0.3, 60
 """How much less a run is followed at its beginning than from there on where it depends on what was before it, the largest share of a
 run that may, and places that are tried for its end."""
+UNTOLD, UNTOLD_CLOSER = 0.03, 0.5
+"""Share of a run that is left out where it does not tell how much should be, and how much of the error must be left without it."""
+MASKED = 4
+"""Times at most that the beginning is left out: what is followed better without a part of it shows how much more should be."""
 FEW = 3000
 """Samples that are enough to tell derivatives apart."""
 GOOD_ENOUGH = 0.01
@@ -69,23 +73,31 @@ class Generalised:
         self.known = np.ones(signals.x.size, dtype=np.bool_)
         starts = max(abs(float(signals.x[run][0])) for run in signals.runs)
         self._find_either(anywhere and starts > ELSEWHERE * self.reach)
-        if anywhere and self.error > EMULATED:
-            self._leave_out_what_began_before()
+        for _ in range(MASKED if anywhere else 0):
+            if self.error < EMULATED or not self._leave_out_what_began_before():
+                break
 
-    def _leave_out_what_began_before(self) -> None:
+    def _leave_out_what_began_before(self) -> bool:
         """Identify all anew from where each run has forgotten what was before it, where that is what is not followed."""
         predicted, wanted = self.predict(self.signals.x), self.signals.y_sim
-        known = np.ones(wanted.size, dtype=np.bool_)
+        known, enough = self.known.copy(), CLOSER
         for run in self.signals.runs:
             known[run][: _begins_to_follow((predicted - wanted)[run])] = False
-        if known.all():
-            return
+        if known.all() and self.error > GOOD_ENOUGH:
+            # What is badly followed all along does not tell.
+            for run in self.signals.runs:
+                known[run][: int(UNTOLD * known[run].size)] = False
+            enough = UNTOLD_CLOSER
+        if np.array_equal(known, self.known):
+            return False
         before, followed = vars(self).copy(), relative_error(predicted[known], wanted[known])
         begun, self.known = self.begun, known
         # Whatever it was, its memory may as well have begun at zero, where no spring has a preload because of that.
         self._find_either(begun)
-        if self.error > CLOSER * followed:
+        if self.error > enough * followed:
             vars(self).update(before)
+            return False
+        return True
 
     def _take_if_closer(self, identify: Callable[[], None], share: float = 1.0) -> None:
         """``identify`` anew, which is undone unless less than this share of the error is left."""
@@ -106,10 +118,18 @@ class Generalised:
         self.begun, self.motion, self.derivatives = begun, motion.begun() if begun else motion, SMOOTH
         # Weights of one sign; what lags behind its input, as a piezo stage does, turns the other way round.
         self._identify(1.0, ELEMENTS, {})
+        usual = vars(self).copy()
         if self.error > GOOD_ENOUGH or np.any(self.rates):
             self._take_if_closer(lambda: self._identify(-1.0, ELEMENTS, {}))
         if self.error > EMULATED:
             self._grow_by_derivatives()
+        if self.sign < 0.0 and self.error > EMULATED:
+            # Which sign was closer by a little before anything had grown says little of which is afterwards.
+            self._take_if_closer(lambda: self._grow_from(usual))
+
+    def _grow_from(self, start: Mapping[str, Any]) -> None:
+        vars(self).update(start)
+        self._grow_by_derivatives()
 
     def _grow_by_derivatives(self) -> None:
         """Identify all anew with the derivatives of the motion that the simulator takes, where its friction tells them."""
