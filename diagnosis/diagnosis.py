@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -100,6 +101,9 @@ def _diagnosed(
     signals: Signals, model: Any | None, exclude: Collection[str], effects: Sequence[Effect], seed: int, fitted: bool
 ) -> Diagnosis:
     emulator = emulate(signals, model)
+    if emulator.warm_up is not None:
+        # How it would answer another deflection there is not known.
+        signals = replace(signals, warm_up=emulator.warm_up | ~signals.judged)
     rmse = rms(signals.gap[signals.judged])
     if fitted:
         emulator = refitted_beside(signals, model, emulator, effects)

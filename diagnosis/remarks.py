@@ -55,8 +55,8 @@ def _of_the_simulator(signals: Signals, emulator: Emulator, has_model: bool, cal
         yield f"the simulator is emulated by {emulator.name}, error {100.0 * emulator.error:.2g} % of its output"
     if emulator.unknown > 0.0:
         yield (
-            f"the simulator remembers a motion before the recording: how it answers was not asked of the first"
-            f" {100.0 * emulator.unknown:.2g} % of the samples"
+            f"the simulator remembers a motion before the recording: the first {100.0 * emulator.unknown:.2g} % of the samples"
+            " are not judged"
         )
     if signals.recorded is not None:
         yield (

@@ -83,10 +83,15 @@ class Emulator:
     parts: Floats
     parameters: Mapping[str, Any]
     split: Mapping[str, Any]
-    unknown: float = 0.0
-    """Share of the samples, where runs begin, at which the simulator remembers a motion before: they say nothing of it."""
+    warm_up: NDArray[np.bool_] | None = None
+    """Samples (n,), where runs begin, at which the simulator remembers a motion before, if there are any: they say nothing of it."""
     refitted: bool = False
     """Whether ``predict`` is of the simulator fitted again beside an effect on its input, not as it is."""
+
+    @property
+    def unknown(self) -> float:
+        """Share of the samples that are such a warm-up."""
+        return 0.0 if self.warm_up is None else float(np.mean(self.warm_up))
 
 
 class SimulatorScene:
@@ -247,7 +252,7 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
         *own.tangent(),
         {"model": GENERALISED, "parameters": own.parameters()},
         own.parameters(),
-        1.0 - float(np.mean(own.known)),
+        None if own.known.all() else ~own.known,
     )
     # Tables follow much that is a law.
     rivalled = own.error > RIVALLED or any(KINDS[name].table for name in own.further)
@@ -261,7 +266,7 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
         error = relative_error(predict(signals.x)[own.known], signals.y_sim[own.known])
         if error < best.error:
             described = _of_model(rival, signals, best.structure, best.bulk, best.parts, best.split)
-            best = replace(described, name=name, error=error, predict=predict, unknown=best.unknown)
+            best = replace(described, name=name, error=error, predict=predict, warm_up=best.warm_up)
     return best
 
 
