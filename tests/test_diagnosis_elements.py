@@ -204,6 +204,20 @@ def test_what_a_simulator_remembers_of_a_motion_before_the_recording_is_not_look
     assert rms(wanted - y) < 0.002 * np.std(y)
 
 
+def test_a_gap_where_the_simulator_still_remembers_what_was_before_is_not_judged() -> None:
+    time, x = motion(60.0, 0.0, 1.0, 2.0)
+    y, later = JOINTS["leaves"][0](time, x), time >= 7.5
+    time, x, y = time[later] - 7.5, x[later], y[later]
+    noise = 0.005 * np.std(y) * np.random.default_rng(3).standard_normal(x.size)
+    found = diagnose(Signals(time, x, y + 0.2 * np.std(y) * np.exp(-time / 0.3) + noise, y, [slice(0, x.size)], {}))
+    assert found.verdict == []
+    first = float(time[found.signals.judged][0])
+    assert 1.5 < first < 5.0
+    assert any(
+        f"the first {100.0 * first / time[-1]:.2g} % of the samples are not judged" in note for note in found.notes
+    )
+
+
 @pytest.mark.parametrize(("name", "before", "allowed"), [("leaves", 13.0, 0.0002), ("metal", 7.5, 0.007)])
 def test_a_beginning_is_left_out_though_it_did_not_show_at_first_or_not_as_far(
     name: str, before: float, allowed: float
