@@ -78,16 +78,19 @@ class Generalised:
                 break
 
     def _leave_out_what_began_before(self) -> bool:
-        """Identify all anew from where each run has forgotten what was before it, where that is what is not followed."""
-        predicted, wanted = self.predict(self.signals.x), self.signals.y_sim
-        known, enough = self.known.copy(), CLOSER
-        for run in self.signals.runs:
-            known[run][: _begins_to_follow((predicted - wanted)[run])] = False
-        if known.all() and self.error > GOOD_ENOUGH:
+        """Identify all anew from where each run has forgotten what was before it, where that is what is not followed.
+
+        Whether it was, and is followed more closely so.
+        """
+        runs, wanted = self.signals.runs, self.signals.y_sim
+        predicted = self.predict(self.signals.x)
+        cuts, enough = [_begins_to_follow((predicted - wanted)[run]) for run in runs], CLOSER
+        if self.known.all() and not any(cuts) and self.error > GOOD_ENOUGH:
             # What is badly followed all along does not tell.
-            for run in self.signals.runs:
-                known[run][: int(UNTOLD * known[run].size)] = False
-            enough = UNTOLD_CLOSER
+            cuts, enough = [int(UNTOLD * wanted[run].size) for run in runs], UNTOLD_CLOSER
+        known = self.known.copy()
+        for run, cut in zip(runs, cuts, strict=True):
+            known[run][:cut] = False
         if np.array_equal(known, self.known):
             return False
         before, followed = vars(self).copy(), relative_error(predicted[known], wanted[known])
@@ -128,6 +131,7 @@ class Generalised:
             self._take_if_closer(lambda: self._grow_from(usual))
 
     def _grow_from(self, start: Mapping[str, Any]) -> None:
+        """The same as :meth:`_grow_by_derivatives` from what had been identified at ``start``."""
         vars(self).update(start)
         self._grow_by_derivatives()
 
