@@ -56,6 +56,13 @@ def recorded(joint: Joint, real: Joint | None = None) -> Signals:
     return Signals(time, x, (real or joint)(time, x) + noise, y, [slice(0, x.size)], {})
 
 
+def begun_late(joint: Joint, before: float) -> Signals:
+    """A simulator that had been in motion for ``before`` seconds, without a gap."""
+    time, x = motion(60.0, 0.0, 1.0, 2.0)
+    y, later = joint(time, x), time >= before
+    return Signals(time[later] - before, x[later], y[later], y[later], [slice(0, int(later.sum()))], {})
+
+
 @functools.cache
 def told_of_errors(name: str) -> tuple[list[str], Mapping[str, Any]]:
     """The verdict on a joint whose simulator is off by a few per cent, and the parameters of the emulator."""
@@ -187,10 +194,10 @@ def test_rotors_of_an_engine_that_swing_on_tendons_keep_their_swing() -> None:
 
 @pytest.mark.parametrize("before", [3.0, 7.5, 13.0])
 def test_what_a_simulator_remembers_of_a_motion_before_the_recording_is_not_looked_at(before: float) -> None:
-    time, x = motion(60.0, 0.0, 1.0, 2.0)
-    y = 3.0 * x + sliders(x, ((6.0, 1.2), (4.0, 1.6)))
-    later = time >= before
-    signals = Signals(time[later] - before, x[later], y[later], y[later], [slice(0, int(later.sum()))], {})
+    def joint(time: Floats, x: Floats) -> Floats:
+        return 3.0 * x + sliders(x, ((6.0, 1.2), (4.0, 1.6)))
+
+    signals = begun_late(joint, before)
     found = Generalised(signals)
     left = found.predict(signals.x) - signals.y_sim
     assert rms(left[~found.known]) > 0.01 * np.std(signals.y_sim)
@@ -199,17 +206,18 @@ def test_what_a_simulator_remembers_of_a_motion_before_the_recording_is_not_look
     assert rms(left[found.known]) == pytest.approx(found.error * np.std(signals.y_sim[found.known]))
     assert emulate(signals, None).unknown == pytest.approx(np.mean(~found.known))
     # It is the same joint.
+    time, x = motion(60.0, 0.0, 1.0, 2.0)
+    y = joint(time, x)
     along = Motion(time, x, [slice(0, x.size)], lambda: differentiate(time, x)[1:])
     wanted = predict_generalised({**found.parameters(), "begun": False}, along)
     assert rms(wanted - y) < 0.002 * np.std(y)
 
 
 def test_a_gap_where_the_simulator_still_remembers_what_was_before_is_not_judged() -> None:
-    time, x = motion(60.0, 0.0, 1.0, 2.0)
-    y, later = JOINTS["leaves"][0](time, x), time >= 7.5
-    time, x, y = time[later] - 7.5, x[later], y[later]
-    noise = 0.005 * np.std(y) * np.random.default_rng(3).standard_normal(x.size)
-    found = diagnose(Signals(time, x, y + 0.2 * np.std(y) * np.exp(-time / 0.3) + noise, y, [slice(0, x.size)], {}))
+    signals = begun_late(JOINTS["leaves"][0], 7.5)
+    time, y = signals.time, signals.y_sim
+    noise = 0.005 * np.std(y) * np.random.default_rng(3).standard_normal(y.size)
+    found = diagnose(replace(signals, y_real=y + 0.2 * np.std(y) * np.exp(-time / 0.3) + noise))
     assert found.verdict == []
     first = float(time[found.signals.judged][0])
     assert 1.5 < first < 5.0
@@ -222,10 +230,7 @@ def test_a_gap_where_the_simulator_still_remembers_what_was_before_is_not_judged
 def test_a_beginning_is_left_out_though_it_did_not_show_at_first_or_not_as_far(
     name: str, before: float, allowed: float
 ) -> None:
-    time, x = motion(60.0, 0.0, 1.0, 2.0)
-    y, later = JOINTS[name][0](time, x), time >= before
-    signals = Signals(time[later] - before, x[later], y[later], y[later], [slice(0, int(later.sum()))], {})
-    found = Generalised(signals)
+    found = Generalised(begun_late(JOINTS[name][0], before))
     assert np.mean(found.known) > 0.9
     assert found.error < allowed
 

@@ -13,11 +13,11 @@ from .rows import Checks, Found
 
 __all__ = ["CHECKS"]
 
-CHECKS = Checks()
+CHECKS = Checks(paper=1)
 
 
 @CHECKS.row(
-    id="appendix-figure", paper=1, place="appendix, first sentence", severity="misprint", printed="individual branches in Fig. 3(b)",
+    id="appendix-figure", place="appendix, first sentence", severity="misprint", printed="individual branches in Fig. 3(b)",
     how="the figure whose subject is a single branch", reading="Fig. 5(b)",
 )  # fmt: skip
 def _() -> Found:
@@ -25,7 +25,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="appendix-equations", paper=1, place="appendix, references to Eqs. (6) to (9)", severity="misprint",
+    id="appendix-equations", place="appendix, references to Eqs. (6) to (9)", severity="misprint",
     printed="Eq. (6), Eq. (7), Eq. (8), Eq. (9)", how="what the main text's equations of these numbers are", reading="A.6 to A.9",
 )  # fmt: skip
 def _() -> Found:
@@ -35,7 +35,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="a2-virtual-work", paper=1, place="A.2 with δl_e = 2 (l1 + l2 − l3) and A.10", severity="inconsistent",
+    id="a2-virtual-work", place="A.2 with δl_e = 2 (l1 + l2 − l3) and A.10", severity="inconsistent",
     printed="T_e = F_e J_e with F_e = k δl_e + F_0",
     how="derivative of the belt's energy k δl_e²/2 + F_0 δl_e, by finite differences, over F_e J_e at 0.5 rad",
     reading="A.4 as printed; k and F_0 then belong to both strands together",
@@ -54,7 +54,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="a3-modulus", paper=1, place="A.3", severity="misprint", printed="J_e = |…| = ∂l2/∂θ = l1 l3 sin θ / l2, called a displacement",
+    id="a3-modulus", place="A.3", severity="misprint", printed="J_e = |…| = ∂l2/∂θ = l1 l3 sin θ / l2, called a displacement",
     how="∂l2/∂θ at −0.5 rad by finite differences", reading="signed; a lever arm",
     note="A modulus is never negative; the two other terms are for θ < 0.",
 )  # fmt: skip
@@ -66,7 +66,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="a6-derivative", paper=1, place="A.6 and A.8", severity="misprint", printed="J_e/θ",
+    id="a6-derivative", place="A.6 and A.8", severity="misprint", printed="J_e/θ",
     how="J_e/θ and ∂J_e/∂θ at 1 rad against c2 of A.7", reading="∂J_e/∂θ",
     note="Probably a partial derivative whose ∂ was lost in extraction: A.7's c2 is ∂J_e/∂θ exactly.",
 )  # fmt: skip
@@ -83,7 +83,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="a6-factor", paper=1, place="A.6 and A.8, first term", severity="inconsistent", printed="J_e² k",
+    id="a6-factor", place="A.6 and A.8, first term", severity="inconsistent", printed="J_e² k",
     how="derivative of A.4's torque: ∂δl_e/∂θ = 2 J_e gives 2 J_e² k; both against finite differences for N = 2, 4, 6 and 0, 5, 10 N",
     reading="2 J_e² k",
 )  # fmt: skip
@@ -102,7 +102,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="a7-c1-denominator", paper=1, place="A.7, c1", severity="dimension", printed="l1² l3² sin²θ / l2 + 2 c2 (l1 + l2 − l3)",
+    id="a7-c1-denominator", place="A.7, c1", severity="dimension", printed="l1² l3² sin²θ / l2 + 2 c2 (l1 + l2 − l3)",
     how="dimensions; J_e² by A.3", reading="l1² l3² sin²θ / l2², twice (see a6-factor)",
     note="The exponent of l2 may have been lost in extraction.",
 )  # fmt: skip
@@ -114,7 +114,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="a8-foe", paper=1, place="A.8 and A.9", severity="definition", printed="F_oe", how="A.9 at N = 1 against A.4 with F_0 = k x0: the force that makes them equal",
+    id="a8-foe", place="A.8 and A.9", severity="definition", printed="F_oe", how="A.9 at N = 1 against A.4 with F_0 = k x0: the force that makes them equal",
     reading="F_0", note="Never defined; A.10 and A.11 call it F_0.",
 )  # fmt: skip
 def _() -> Found:

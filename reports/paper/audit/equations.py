@@ -27,11 +27,11 @@ from .rows import Checks, Found
 
 __all__ = ["CHECKS", "cited"]
 
-CHECKS = Checks()
+CHECKS = Checks(paper=1)
 
 
 @CHECKS.row(
-    id="intro-model-list", paper=1, place="section 1, list of common models", severity="misprint",
+    id="intro-model-list", place="section 1, list of common models", severity="misprint",
     printed=", ".join(printed.INTRODUCED_MODELS), how="names in the list that occur twice",
     reading="each model once",
 )  # fmt: skip
@@ -42,7 +42,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="intro-start-operator", paper=1, place="section 1, PI model", severity="definition",
+    id="intro-start-operator", place="section 1, PI model", severity="definition",
     printed="two operators: the stop operator and the start operator",
     how="a play operator of threshold r and a stop operator of the same r add up to the input: max |play + stop − x| on a test motion",
     reading="play and stop operators; the model prandtl-ishlinskii uses plays",
@@ -63,7 +63,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="intro-choi-degree", paper=1, place="section 1, on Choi's model", severity="inconsistent",
+    id="intro-choi-degree", place="section 1, on Choi's model", severity="inconsistent",
     printed="able to express only up to a third-degree polynomial", how="degree that the second paper's appendix 1 uses",
     reading="any degree; choi-backlash defaults to 5",
 )  # fmt: skip
@@ -73,7 +73,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="eq1-x0", paper=1, place="Eqs. 1, 6 and A.12", severity="inconsistent",
+    id="eq1-x0", place="Eqs. 1, 6 and A.12", severity="inconsistent",
     printed="k [12 (l1 + l2 − l3) + x0] J: x0 counted once",
     how="coefficient of k x0 J in N (k δl_e + F_0) J (A.9) with F_0 = k x0 (A.11) and N = 6; relative torque difference at 1 rad",
     reading="N k [2 (l1 + l2 − l3) + x0] J; virtual_deformation() keeps Eq. 6 as printed",
@@ -94,7 +94,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="eq1-f0", paper=1, place="text after Eq. 1", severity="definition",
+    id="eq1-f0", place="text after Eq. 1", severity="definition",
     printed="explains k and F_0", how="symbols explained that Eq. 1 does not contain",
     reading="F_0 = k x0 (A.11)",
 )  # fmt: skip
@@ -104,7 +104,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="belt-stretch-unit", paper=1, place="section 2.1, belt", severity="dimension",
+    id="belt-stretch-unit", place="section 2.1, belt", severity="dimension",
     printed="maximum stretch of 0.7 kg", how="dimensions", reading="a pull of 0.7 kgf = 6.9 N",
 )  # fmt: skip
 def _() -> Found:
@@ -113,7 +113,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="belt-pull-lever", paper=1, place="section 2.1, belt, against Table 1", severity="inconsistent",
+    id="belt-pull-lever", place="section 2.1, belt, against Table 1", severity="inconsistent",
     printed="0.7 kg and a torque of 5.66 N·m with N = 6",
     how="lever arm J >= T_J / (N F) by A.9; J never exceeds the crank length l1, because J = l1 sin(angle between l1 and l2)",
     reading="no belt limit is used",
@@ -131,7 +131,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="eq2-force-torque", paper=1, place="Eq. 2", severity="dimension",
+    id="eq2-force-torque", place="Eq. 2", severity="dimension",
     printed="hysteresis force F_i = Σ f_i + T_0, forces f_i plus an initial torque", how="dimensions of the named quantities",
     reading="f_i, η_i and F are torques",
     note="The index i of F_i is also the one summed over, so F cannot carry it.",
@@ -142,7 +142,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="eq2-interval", paper=1, place="Eqs. 2 and 10, domains", severity="misprint",
+    id="eq2-interval", place="Eqs. 2 and 10, domains", severity="misprint",
     printed="x ∈ [x_1, x_2] ∪ [x_3, x_4]",
     how="lengths x_2 − x_1 and x_4 − x_3 on the printed loop (x_1 = x_D, x_2 = x_C, x_3 = x_I, x_4 = x_J), as Eq. 7 orders them",
     reading="[x_2, x_1] and [x_4, x_3]",
@@ -157,7 +157,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="fig8-index", paper=1, place="caption of Fig. 8", severity="misprint",
+    id="fig8-index", place="caption of Fig. 8", severity="misprint",
     printed="S_j = Σ_{i=j}^m k_j", how="S_1 from the stiffnesses of Eq. 16 against the crease slope P1P2: Σ k_j and Σ k_i",
     reading="S_j = Σ_{i=j}^m k_i",
     note="The text says the sum of all k_i, which leaves out that slipping elements no longer count. The index may be an "
@@ -174,7 +174,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="fig9-slip-force", paper=1, place="section 2.2, description of Fig. 9, e to f", severity="misprint",
+    id="fig9-slip-force", place="section 2.2, description of Fig. 9, e to f", severity="misprint",
     printed="sliding starts when the force reaches −f_i",
     how="Eq. 3 run along a-b-c-e-f: the force at which the element slips back",
     reading="−η_i",
@@ -191,7 +191,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="eq4-stiffness", paper=1, place="text before Eq. 4, and Eq. 4", severity="dimension",
+    id="eq4-stiffness", place="text before Eq. 4, and Eq. 4", severity="dimension",
     printed="δT = K δθ and T = K h(θ) with one K, the stiffness of the elastomer",
     how="dimensions of K in both, and of the other quantities called K or k: crease slope (Eq. 16), k_1 and k_2 of A.6",
     reading="K of Eq. 4 is k of Eq. 1, N/m; δT = K_e δθ has K_e in N·m/rad",
@@ -204,7 +204,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="eq4-proportional", paper=1, place="Eq. 4 and section 3 against Table 1", severity="inconsistent",
+    id="eq4-proportional", place="Eq. 4 and section 3 against Table 1", severity="inconsistent",
     printed="T = K h(θ): torque proportional to x",
     how="largest over smallest slope of Table 1; T/x at both ends of the stroke",
     reading="T over x is the polyline of Eqs. 8 and 9; Eq. 4 is not used",
@@ -222,7 +222,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="eq5-unit-of-x", paper=1, place="Eqs. 5, 6 against Tables 1, 2, 5", severity="dimension",
+    id="eq5-unit-of-x", place="Eqs. 5, 6 against Tables 1, 2, 5", severity="dimension",
     printed="x = h(θ), tabulated from −1.0000 to 1.0000 and scored in rad", how="dimensions of Eq. 6",
     reading="x is the measured input, in rad",
     note="Either x was normalised by its largest value or h was not applied; the text says neither.",
@@ -233,7 +233,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="loop-figure", paper=1, place="section 3, trajectory A-B-…-L-A", severity="misprint",
+    id="loop-figure", place="section 3, trajectory A-B-…-L-A", severity="misprint",
     printed="shown in Fig. 9", how="the figure whose subject has the vertices", reading="Fig. 11",
 )  # fmt: skip
 def _() -> Found:
@@ -252,7 +252,7 @@ def cited(what: str) -> Found:
 
 
 @CHECKS.row(
-    id="eq7-descending", paper=1, place="Eq. 7, second line", severity="misprint",
+    id="eq7-descending", place="Eq. 7, second line", severity="misprint",
     printed="f_d for ẋ <= 0, x > x_1", how="share of the descending curve D…I with x > x_1 = x_D and with x > x_3 = x_I",
     reading="f_d for ẋ <= 0, x > x_3; f_a for ẋ >= 0, x_4 < x < x_2",
 )  # fmt: skip
@@ -267,7 +267,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="eq7-transition", paper=1, place="Eq. 7, third line", severity="inconsistent",
+    id="eq7-transition", place="Eq. 7, third line", severity="inconsistent",
     printed="f_t for x_2 < x < x_1, whatever the direction; no line for x_4 < x < x_3",
     how="torque at x = x(P3) on the transition (Table 2) and on the falling curve DE (Eq. 9), which covers the same x",
     reading="f_t+ only while x rises, f_t− only while x falls",
@@ -283,7 +283,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="elements-symbol", paper=1, place="Eqs. 2, 10, 16, 17", severity="definition",
+    id="elements-symbol", place="Eqs. 2, 10, 16, 17", severity="definition",
     printed="m elements in Eq. 2, n in Eq. 10, N in Eqs. 16 and 17, where N = 6 is the number of branches",
     how="elements in Table 3 against N", reading="4 elements a transition; N is the number of branches",
 )  # fmt: skip
@@ -294,7 +294,6 @@ def _() -> Found:
 
 @CHECKS.row(
     id="symbols",
-    paper=1,
     place="symbols throughout",
     severity="definition",
     printed="; ".join(f"{k} is {' and '.join(v)}" for k, v in printed.SYMBOL_CLASHES.items()),
@@ -331,7 +330,7 @@ def _turning(sign: float) -> dict[str, float]:
 
 
 @CHECKS.row(
-    id="eq13-sign", paper=1, place="Eqs. 13 and 14, sign of p", severity="misprint",
+    id="eq13-sign", place="Eqs. 13 and 14, sign of p", severity="misprint",
     printed="x_1 = [f_a(x_2) − k x_2 + p(x_1)] / [k(x_1) − k]",
     how="Eq. 11 solved for x_1: f_d(x_1) = k(x_1) x_1 + p(x_1) puts −p(x_1) into the numerator; both evaluated on Table 1",
     reading="minus p",
@@ -346,7 +345,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="eq14-curves", paper=1, place="Eq. 14, p and k", severity="misprint",
+    id="eq14-curves", place="Eq. 14, p and k", severity="misprint",
     printed="x_3 from p(x_2), k(x_2) (ascending curve) and x_4 from p(x_1), k(x_1) (descending curve)",
     how="x_3 and x_4 on Table 1 with the printed curves (minus sign) and with each point's own curve",
     reading="x_3 is on the descending curve (HI), x_4 on the ascending curve (JK)",
@@ -370,7 +369,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="eq15-symbols", paper=1, place="Eq. 15", severity="definition",
+    id="eq15-symbols", place="Eq. 15", severity="definition",
     printed="conditions on x − x_p and x − x_f", how="symbols of Eq. 15 that the text does not explain",
     reading="turning points are found with a dead band, see hystbench.models.motion",
 )  # fmt: skip
@@ -380,7 +379,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="transition-slows", paper=1, place="section 3, before Fig. 12", severity="inconsistent",
+    id="transition-slows", place="section 3, before Fig. 12", severity="inconsistent",
     printed="at C the ascending curve gradually slows down and starts to transition",
     how="slope before C (Table 1, BC) and after it (Table 2, P1P2)", reading="Tables 1 and 2",
 )  # fmt: skip
@@ -394,7 +393,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="eq17-distance", paper=1, place="Eq. 17", severity="inconsistent",
+    id="eq17-distance", place="Eq. 17", severity="inconsistent",
     printed="η_i = k_i (x(P_{i+1}) − x(P_i)) e/e_0 for i < N, but η_N = k_N e_0",
     how="Σ η_i, which must be the torque gained over the transition, T_D − T_C and T_I − T_J",
     reading="η_i = k_i (x(P_{i+1}) − x(P_1)) e/e_0 for all i",

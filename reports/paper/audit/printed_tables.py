@@ -28,11 +28,11 @@ from .rows import Checks, Found
 
 __all__ = ["CHECKS"]
 
-CHECKS = Checks()
+CHECKS = Checks(paper=1)
 
 
 @CHECKS.row(
-    id="t1-last-digits", paper=1, place="Table 1, k_DE, k_EF, k_FG", severity="arithmetic",
+    id="t1-last-digits", place="Table 1, k_DE, k_EF, k_FG", severity="arithmetic",
     printed=", ".join(f"{PRINTED_SLOPES[n]:.4f}" for n in ("DE", "EF", "FG")),
     how="chords of the printed vertices; all slopes recomputed, these differ in the printed digits",
     reading="slopes from the vertices",
@@ -47,7 +47,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="t2-points", paper=1, place="section 4.1 against Table 2", severity="definition",
+    id="t2-points", place="section 4.1 against Table 2", severity="definition",
     printed="deformation for a point number of 4", how="points of each transition in Table 2",
     reading="5 points bound 4 elements",
 )  # fmt: skip
@@ -57,7 +57,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="t2-q4-sign", paper=1, place="Table 2, Q4", severity="misprint", printed=f"{PRINTED_Q4_TORQUE}",
+    id="t2-q4-sign", place="Table 2, Q4", severity="misprint", printed=f"{PRINTED_Q4_TORQUE}",
     how="τ(Q5) + k'_4 (x(Q4) − x(Q5)) and τ(Q3) − (k'_3 + k'_4)(x(Q3) − x(Q4)) with Table 3's k'",
     reading="−5.62", note="The sign may have been lost in extraction.",
 )  # fmt: skip
@@ -74,7 +74,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="t3-k-not-differences", paper=1, place="Table 3, k_1 to k_3", severity="arithmetic",
+    id="t3-k-not-differences", place="Table 3, k_1 to k_3", severity="arithmetic",
     printed=", ".join(f"{v:g}" for v in PRINTED_ELEMENTS["k"][:3]),
     how="Eq. 16 on Table 2: differences of successive crease slopes",
     reading="Eq. 16; Table 3's k is not used",
@@ -91,7 +91,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="t3-eta-3-4", paper=1, place="Table 3, η_3 and η_4", severity="arithmetic",
+    id="t3-eta-3-4", place="Table 3, η_3 and η_4", severity="arithmetic",
     printed=", ".join(f"{v:g}" for v in PRINTED_ELEMENTS["eta"][2:]),
     how="Eq. 17 on Table 2, as printed and as derived, with k of Eq. 16", reading="as derived",
     note="Neither form, nor either with the printed k, gives the printed figures; where they come from was not found.",
@@ -110,7 +110,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="t3-eta-prime", paper=1, place="Table 3, η'_2 and η'_3", severity="inconsistent",
+    id="t3-eta-prime", place="Table 3, η'_2 and η'_3", severity="inconsistent",
     printed=", ".join(f"{v:g}" for v in PRINTED_ELEMENTS["eta'"][1:3]),
     how="Eq. 17 on Table 2, as printed and as derived", reading="as derived",
     note="These follow the derived form; η_2 = 0.09 of the other transition follows the printed one: the table mixes both.",
@@ -126,7 +126,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="t3-end-torque", paper=1, place="Table 3 against T_D", severity="arithmetic",
+    id="t3-end-torque", place="Table 3 against T_D", severity="arithmetic",
     printed="5.02 N·m at D", how="Eqs. 2 and 3 with Table 3's k and η from C to D", reading="Table 2",
     note="The second transition's k' and η' do reach T_J.",
 )  # fmt: skip
@@ -144,7 +144,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="t3-never-slips", paper=1, place="Table 3, element 4", severity="inconsistent",
+    id="t3-never-slips", place="Table 3, element 4", severity="inconsistent",
     printed="k_4 = 1.8, η_4 = 0.638", how="distance η_4/k_4 at which it slips, against the transition's length",
     reading="η_4 = k_4 e_0, so that the last element slips at D (Eq. 17)",
 )  # fmt: skip
@@ -159,7 +159,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="choi-14", paper=1, place="Table 1 against the second paper's Eq. 14", severity="inconsistent",
+    id="choi-14", place="Table 1 against the second paper's Eq. 14", severity="inconsistent",
     printed="f_a above f_d (the condition of the model that it builds on)",
     how="f_a − f_d on Table 1; where it is negative and the work of that lobe",
     reading="the loop as printed; the model approaches the crossed curve from beyond",
@@ -187,7 +187,7 @@ def _mean_slope(number: int, name: str) -> Found:
 
 
 @CHECKS.row(
-    id="choi-19", paper=1, place="K+ of Table 1 against the second paper's Eq. 19", severity="inconsistent",
+    id="choi-19", place="K+ of Table 1 against the second paper's Eq. 19", severity="inconsistent",
     printed="K+ = 8.4667, k_DE = 9.1929", how="K+ against the steepest segment at x > 0",
     reading="where the curve ahead is steeper than the chord, the gap closes at a twentieth of the chord's slope",
     note="Falling from a turn beyond E, a chord of slope K+ moves away from DE instead of meeting it.",
@@ -197,7 +197,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="choi-20", paper=1, place="K− of Table 1 against the second paper's Eq. 20", severity="inconsistent",
+    id="choi-20", place="K− of Table 1 against the second paper's Eq. 20", severity="inconsistent",
     printed="K− = 8.8533, k_JK = 9.5385", how="K− against the steepest segment at x < 0", reading="as for choi-19",
 )  # fmt: skip
 def _() -> Found:

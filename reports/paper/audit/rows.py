@@ -49,9 +49,10 @@ Found = tuple[str, bool, dict[str, float]]
 
 
 class Checks:
-    """Checks in the order of the text that they are about."""
+    """Checks in the order of the text that they are about, which is of one ``paper``."""
 
-    def __init__(self) -> None:
+    def __init__(self, paper: int) -> None:
+        self._paper = paper
         self._checks: list[tuple[dict[str, Any], Callable[[], Found]]] = []
 
     def row(self, **told: Any) -> Callable[[Callable[[], Found]], Callable[[], Found]]:
@@ -65,7 +66,8 @@ class Checks:
 
     def rows(self) -> Iterator[AuditRow]:
         """What each check finds."""
-        for told, check in self._checks:
+        for own, check in self._checks:
             recomputed, contradicts, values = check()
             plain = {name: float(value) for name, value in values.items()}
-            yield AuditRow(recomputed=recomputed, contradicts=bool(contradicts), values=plain, **{"note": "", **told})
+            told = {"paper": self._paper, "note": "", **own}
+            yield AuditRow(recomputed=recomputed, contradicts=bool(contradicts), values=plain, **told)

@@ -12,11 +12,11 @@ from .rows import Checks, Found
 
 __all__ = ["CHECKS"]
 
-CHECKS = Checks()
+CHECKS = Checks(paper=2)
 
 
 @CHECKS.row(
-    id="choi-range-unit", paper=2, place="appendix 1, identification range", severity="dimension", printed="deformation range about 16 Nm, permissible torque range about 14 Nm",
+    id="choi-range-unit", place="appendix 1, identification range", severity="dimension", printed="deformation range about 16 Nm, permissible torque range about 14 Nm",
     how="dimensions; ratio of both", reading="a torque range",
 )  # fmt: skip
 def _() -> Found:
@@ -26,7 +26,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="choi-signed-objective", paper=2, place="Eqs. 42 and 43", severity="inconsistent", printed="argmin over s of Σ τ_err (signed)",
+    id="choi-signed-objective", place="Eqs. 42 and 43", severity="inconsistent", printed="argmin over s of Σ τ_err (signed)",
     how="noise-free data of a spring of known s, objective over s from the bound to 4 s: where the signed sum and the sum of squares are least",
     reading="sum of squares",
     note="Errors of opposite sign cancel and negative ones are rewarded: the minimum is at an end of the range. A modulus or square may have been lost in extraction.",
@@ -48,7 +48,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="choi-bound-name", paper=2, place="Eq. 43 and the text after it", severity="misprint", printed="s_{-,max} in Eq. 43, s_{,min} in the text",
+    id="choi-bound-name", place="Eq. 43 and the text after it", severity="misprint", printed="s_{-,max} in Eq. 43, s_{,min} in the text",
     how="names of one bound", reading="s_{-,min}: the greatest derivative at θ < 0 is the least admissible s−",
     note="The missing minus may be an extraction error.",
 )  # fmt: skip
@@ -62,7 +62,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="choi-path-name", paper=2, place="Eq. 44", severity="misprint", printed="∮ over OABO for the path OBAO",
+    id="choi-path-name", place="Eq. 44", severity="misprint", printed="∮ over OABO for the path OBAO",
     how="work along O-B-A-O and along O-A-B-O on the example spring", reading="OBAO",
     note="The printed integrals are those of OBAO; OABO is the same loop the other way round.",
 )  # fmt: skip
@@ -91,7 +91,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="choi-element-sign", paper=2, place="Eqs. 44-46, 49, 50", severity="misprint", printed="θ ∋ [θ_min, θ_max]",
+    id="choi-element-sign", place="Eqs. 44-46, 49, 50", severity="misprint", printed="θ ∋ [θ_min, θ_max]",
     how="which of the two is a set: the interval has a least and a greatest element, θ is a number", reading="θ ∈ [θ_min, θ_max]",
 )  # fmt: skip
 def _() -> Found:
@@ -101,7 +101,7 @@ def _() -> Found:
 
 
 @CHECKS.row(
-    id="choi-proof-scope", paper=2, place="appendix 2, opening", severity="inconsistent", printed="all contour integrals are non-negative; cases in positive deformation are covered",
+    id="choi-proof-scope", place="appendix 2, opening", severity="inconsistent", printed="all contour integrals are non-negative; cases in positive deformation are covered",
     how="loops of the example spring that the four cases leave out: one across zero, and the four types at negative deformation",
     reading="every fitted model is driven round all of them",
     note="By symmetry the negative cases follow; loops across zero, where both slopes act, are in none of the four cases. None found negative here.",
