@@ -7,6 +7,7 @@ from math import erf
 
 import numpy as np
 from joints import sliders
+from material_simulators import breaking_away, flowing_gel, leaking_drive, phase_changing
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
@@ -534,5 +535,9 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "looked up": (looked_up, 0.005),
     "oil chamber": (oil_chamber, 0.005),
     "pneumatic muscle": (pneumatic_muscle, 0.005),
+    "phase-changing": (phase_changing, 0.001),
+    "flowing gel": (flowing_gel, 0.001),
+    "breaking away": (breaking_away, 0.002),
+    "leaking drive": (leaking_drive, 0.003),
 }
 """With the error, as a share of the output, that the emulator may make over a motion that it never saw."""

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..recording.noise import rms
-from .kinds import ELASTIC, KINDS, MEMORY, RATE, Kind
+from .kind import ELASTIC, MEMORY, RATE, Kind
+from .kinds import KINDS
 from .motion import Motion
 
 __all__ = [

@@ -18,8 +18,9 @@ from ..operators.memory import bristle, plays, weighed
 from ..recording.noise import rms
 from ..recording.signals import Signals, differentiate
 from .elements import drag_among, kinks_moved, strengthened_among, tangents, torque_of, uncancelled
-from .growth import PLACED, RATES, STOPS, Growth
-from .kinds import ELASTIC, KINDS, KINKS, MEMORY
+from .growth import PLACED, RATES, STOPS, TABLED, Growth
+from .kind import ELASTIC, MEMORY
+from .kinds import KERNELS, KINDS, KINKS
 from .motion import DIFFERENCES, Extent, Motion
 from .selection import CLEARLY, places_of, solve, spread
 
@@ -70,6 +71,14 @@ class Generalised:
         self.reach = max(float(np.max(np.abs(signals.x))), 1e-300)
         self.lengths = np.geomspace(0.01, 0.4, BRISTLES) * self.reach
         self.fast = max(float(np.std(signals.speed)), 1e-300)
+        self._find_anywhere(anywhere, [name for name in KINDS if name != KERNELS])
+        if self.error > TABLED:
+            # Many of them follow much that is another law, so by themselves, and only where none was found.
+            self._take_if_closer(lambda: self._find_anywhere(anywhere, [KERNELS]), CLEARLY)
+
+    def _find_anywhere(self, anywhere: bool, placing: Collection[str]) -> None:
+        """Identify all, with those in ``placing`` of the kinds that are moved, of a simulator whose memory may begin ``anywhere``."""
+        signals, self.placing = self.signals, placing
         self.known = np.ones(signals.x.size, dtype=np.bool_)
         starts = max(abs(float(signals.x[run][0])) for run in signals.runs)
         self._find_either(anywhere and starts > ELSEWHERE * self.reach)
@@ -138,7 +147,7 @@ class Generalised:
     def _grow_by_derivatives(self) -> None:
         """Identify all anew with the derivatives of the motion that the simulator takes, where its friction tells them."""
         if not self.signals.timed:
-            self._grow(KINDS)
+            self._grow(self.placing)
             return
         start = vars(self).copy()
         motions = {name: self.motion.differenced(name) for name in (SMOOTH, *DIFFERENCES)}
@@ -147,14 +156,14 @@ class Generalised:
         others = sorted(DIFFERENCES, key=left.__getitem__)
         first = others[0] if left[others[0]] < CLEARLY * left[SMOOTH] else SMOOTH
         self.derivatives, self.motion = first, motions[first]
-        self._grow(KINDS)
+        self._grow(self.placing)
         by_speed = [name for name, kind in KINDS.items() if kind.by_speed]
         if first != SMOOTH or not set(by_speed).intersection(self.further):
             return
 
         def grow_with(derivatives: str) -> None:
             vars(self).update(start, derivatives=derivatives, motion=motions[derivatives])
-            self._grow(by_speed)
+            self._grow([name for name in by_speed if name in self.placing])
 
         for other in others:
             if self.error > EMULATED:

@@ -7,12 +7,13 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .kinds import ELASTIC, FRICTION_TABLE, KINKS, SPRING_TABLE, Kind
+from .kind import ELASTIC, Kind
+from .kinds import FRICTION_TABLE, KINKS, SPRING_TABLE
 from .motion import Extent, Motion
 from .placing import Placing
 from .selection import CLEARLY, EXACT, WORTHWHILE, Selection, spread
 
-__all__ = ["PLACED", "RATES", "STOPS", "Growth"]
+__all__ = ["PLACED", "RATES", "STOPS", "TABLED", "Growth"]
 
 Floats = NDArray[np.float64]
 Places = NDArray[np.intp]
@@ -23,7 +24,7 @@ SIMPLE = 3
 ROUNDS = 2
 """Kinds of elements with sizes to move that are taken in one after the other, at most."""
 TABLED = 0.003
-"""Error, as a share of the output, from which tables are tried."""
+"""Error, as a share of the output, from which tables are tried, and what else follows much that is a law."""
 WELL_EMULATED = 0.002
 """Error, as a share of the output, from which further kinds are looked for that may need to be there together."""
 

@@ -9,8 +9,6 @@ from __future__ import annotations
 import functools
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
@@ -19,11 +17,14 @@ from numpy.typing import NDArray
 from ..operators.masses import held_by_load, sliding
 from ..operators.memory import dashed, hardening, held_inside, leaky, orifice, pressed
 from ..operators.smooth_loops import pinched, smooth
+from ..operators.viscoplastic import viscoplastic
+from .kind import ELASTIC, MEMORY, RATE, Kind, by_row, timed_by, timeless, with_each
 from .motion import Extent, Motion
 from .single_elements import (
     at_low_speed,
     behind_play,
     beyond_clearance,
+    breaking_away,
     by_speed,
     by_speed_and_side,
     curved,
@@ -35,6 +36,7 @@ from .single_elements import (
     lag,
     lagging,
     lagging_together,
+    leaking_chamber,
     leaves,
     levered,
     preload,
@@ -47,15 +49,15 @@ from .single_elements import (
     stribeck,
     stronger_at_rest,
     stronger_in_motion,
+    switching,
     wire,
 )
 from .tables import looked_up, looked_up_together, nodes, rubbing, rubbing_together
 
-__all__ = ["ELASTIC", "FRICTION_TABLE", "KINDS", "KINKS", "MEMORY", "RATE", "SPRING_TABLE", "Kind"]
+__all__ = ["FRICTION_TABLE", "KERNELS", "KINDS", "KINKS", "SPRING_TABLE"]
 
 Floats = NDArray[np.float64]
-ELASTIC, MEMORY, RATE = "elastic", "memory", "rate"
-KINKS, SLIP = "kinks", "a few slip elements"
+KINKS, SLIP, KERNELS = "kinks", "a few slip elements", "Krasnosel'skii-Pokrovskii kernels"
 SPRING_TABLE, FRICTION_TABLE = "a spring from a table", "friction from a table"
 PLACES = 49
 """Places of a kink that are tried."""
@@ -63,133 +65,22 @@ BODIES = (0.003, 0.003, 0.02, 0.0005, 0.001, 0.001, 0.01), (3.0, 6.0, 20.0, 3.0,
 """Limits of the sizes of a slider with mass, in :attr:`Extent.body`."""
 
 
-@dataclass(frozen=True)
-class Kind:
-    """One kind of element.
-
-    Attributes
-    ----------
-    part : str
-        ``ELASTIC``, ``MEMORY`` or ``RATE``: what of the simulator it belongs to.
-    one_sign : bool
-        Whether all weights have the sign of the simulator's other elements with memory.
-    sizes : callable
-        ``sizes(extent) -> (k, m)`` of the elements to choose from; of those with memory the first is a length, rad.
-    columns : callable
-        ``columns(motion, sizes) -> (n, k)``, the torque of each for a weight of one.
-    between : mapping of int to (float, float)
-        Between which values, themselves left out, a size must lie, by its place; none is negative but those ``signed``.
-    timed : bool
-        Whether it is left out where a recording has no clock. Speed is there in any case: it tells the direction.
-    together : callable, optional
-        ``together(motion, sizes, weights) -> (n,)``, the torque of all, where that takes less than to make each.
-    limits : callable, optional
-        ``limits(extent) -> (2, m)``, positive but those ``signed``, between which sizes are moved to their best places from those to choose
-        from, which are not fine enough to be taken as they are.
-    later : sequence of int
-        Which sizes stay where they are until all elements are there: with all at once the way there is easily lost.
-    corners : sequence of int
-        Which sizes tell where the torque has corners.
-    exact : sequence of int
-        Which sizes no simulator has wrong, such as how many teeth there are.
-    signed : sequence of int
-        Which sizes may be negative: places.
-    shared : sequence of int
-        Which sizes are the same for all elements.
-    by_speed : bool
-        Whether it knows the speed, sharply enough to tell how that was made of the deflection.
-    all_along : bool
-        Whether it changes on the way as well, and not only by where the motion turns.
-    last : bool
-        Whether it resembles so many others, by few sizes, that it is asked last: they would not be clearly better.
-    like : str
-        A kind of which it is a variant, which is not tried where that one does not help at all.
-    table : sequence of int
-        Where its elements are the nodes of one table: which sizes are their places and the interval between them, which stay.
-    evident : bool
-        Whether, where there is one, those to choose from help much before they are moved, with the sign that they must have.
-    starts : int
-        At how many of those to choose from each is begun: what swings is easily begun beside its place.
-    """
-
-    part: str
-    one_sign: bool
-    sizes: Callable[[Extent], Floats]
-    columns: Callable[[Motion, Floats], Floats]
-    between: Mapping[int, tuple[float, float]] = field(default_factory=dict)
-    timed: bool = False
-    together: Callable[[Motion, Floats, Floats], Floats] | None = None
-    limits: Callable[[Extent], Floats] | None = None
-    later: Sequence[int] = ()
-    corners: Sequence[int] = (0,)
-    exact: Sequence[int] = ()
-    signed: Sequence[int] = ()
-    shared: Sequence[int] = ()
-    by_speed: bool = False
-    all_along: bool = False
-    last: bool = False
-    like: str = ""
-    evident: bool = False
-    table: Sequence[int] = ()
-    starts: int = 2
-
-    def torque(self, motion: Motion, sizes: Floats, weights: Floats) -> Floats:
-        """Torque of all elements of these sizes and weights, N·m, shape (n,)."""
-        return self.together(motion, sizes, weights) if self.together else self.columns(motion, sizes) @ weights
-
-    @property
-    def drags(self) -> bool:
-        """Whether it follows the speed alone, as dampers and friction by speed do."""
-        return self.part == RATE and (self.timed or self.by_speed)
-
-    @cached_property
-    def width(self) -> int:
-        """How many sizes an element has."""
-        return int(self.sizes(Extent(1.0, 1.0, 0.01, 1.0)).shape[1])
-
-
-def _by_row(column: Callable[..., Floats]) -> Callable[[Motion, Floats], Floats]:
-    """Columns made one by one, each from its sizes."""
-
-    def columns(motion: Motion, sizes: Floats) -> Floats:
-        made = [column(motion, *row) for row in sizes]
-        # Mostly one is asked for at a time.
-        return made[0][:, None] if len(made) == 1 else np.column_stack(made)
-
-    return columns
-
-
-def _timeless(answer: Callable[..., Floats]) -> Callable[[Motion, Floats], Floats]:
-    """Columns of what an operator of given sizes answers to the deflection alone."""
-    return _by_row(lambda motion, *sizes: motion.from_rest(lambda x: answer(x, *sizes)))
-
-
-def _timed(answer: Callable[..., Floats]) -> Callable[[Motion, Floats], Floats]:
-    """The same of one that knows the time as well."""
-    return _by_row(lambda motion, *sizes: motion.from_rest(lambda x, time: answer(time, x, *sizes), motion.time))
-
-
-def _with(lengths: Floats, *others: tuple[float, ...]) -> Floats:
-    """Each length with each of the other sizes, shape (k, m)."""
-    return np.array([(length, *other) for length in lengths for other in others])
-
-
 def _smooth_sizes(extent: Extent) -> Floats:
     others = (1.0, 0.75), (1.0, 0.5), (2.0, 1.0), (2.0, 0.75), (2.0, 0.5)
-    return _with(extent.reach * np.geomspace(0.02, 1.0, 6), *others)
+    return with_each(extent.reach * np.geomspace(0.02, 1.0, 6), *others)
 
 
 def _stribeck_sizes(extent: Extent) -> Floats:
     others = itertools.product((0.03 * extent.fast, 0.1 * extent.fast, 0.3 * extent.fast, extent.fast), (0.5, 1.5))
-    return _with(extent.reach * np.array([0.004, 0.012, 0.04, 0.12]), *others)
+    return with_each(extent.reach * np.array([0.004, 0.012, 0.04, 0.12]), *others)
 
 
 def _slip_elements(column: Callable[..., Floats], like: str = "") -> Kind:
     others = tuple(itertools.product((0.2, 0.6, 2.0), (0.4,), (1.0, 8.0), (1.5,)))
     return Kind(
         MEMORY, True,
-        lambda extent: np.asarray(extent.slipping * _with(np.geomspace(0.003, 0.7, 9), *others)),
-        _by_row(column),
+        lambda extent: np.asarray(extent.slipping * with_each(np.geomspace(0.003, 0.7, 9), *others)),
+        by_row(column),
         {3: (0.0, np.inf)},
         timed=True,
         limits=lambda extent: np.asarray(extent.slipping * [[0.001, 0.003, 0.02, 0.05, 0.5], [1.0, 5.0, 6.0, 100.0, 3.0]]),
@@ -216,7 +107,7 @@ def _held_by_load(
     return Kind(
         MEMORY, True,
         lambda extent: units(extent) * begun,
-        _timed(functools.partial(held_by_load, by_speed=by_speed)),
+        timed_by(functools.partial(held_by_load, by_speed=by_speed)),
         dict.fromkeys(positive, (0.0, np.inf)),
         timed=True,
         limits=lambda extent: units(extent) * [lowest, highest],
@@ -230,7 +121,7 @@ def _rubber(column: Callable[..., Floats]) -> Kind:
     return Kind(
         MEMORY, True,
         lambda extent: extent.reach * np.geomspace(0.01, 1.0, 10)[:, None],
-        _by_row(column),
+        by_row(column),
     )  # fmt: skip
 
 
@@ -240,7 +131,7 @@ def _ripples(power: int) -> Kind:
         lambda extent: np.array(list(itertools.product(
             extent.reach / np.arange(3.0, 110.0, 0.75), np.pi * np.array([0.9, 1.25, 1.6])
         ))),
-        _by_row(functools.partial(ripple, power=power)),
+        by_row(functools.partial(ripple, power=power)),
         {0: (0.0, np.inf)},
         limits=lambda extent: np.array([[extent.reach / 150.0, 0.4 * np.pi], [extent.reach / 2.0, 2.6 * np.pi]]),
         corners=(),
@@ -251,13 +142,13 @@ def _ripples(power: int) -> Kind:
 def _at_places(extent: Extent, widths: Sequence[float], *others: tuple[float, ...]) -> Floats:
     """Several places, each with each of these widths, as shares of the reach, and with each of the other sizes."""
     places = extent.reach * np.array([-0.7, -0.4, -0.15, 0.0, 0.15, 0.4, 0.7])
-    return _with(places, *((width * extent.reach, *other) for width in widths for other in others or ((),)))
+    return with_each(places, *((width * extent.reach, *other) for width in widths for other in others or ((),)))
 
 
 def _engaging(columns: Callable[[Motion, Floats], Floats]) -> Kind:
     return Kind(
         MEMORY, True,
-        lambda extent: extent.reach * _with(np.array([0.02, 0.06, 0.2]), (0.06,), (0.15,), (0.3,), (0.5,), (0.7,)),
+        lambda extent: extent.reach * with_each(np.array([0.02, 0.06, 0.2]), (0.06,), (0.15,), (0.3,), (0.5,), (0.7,)),
         columns,
         limits=lambda extent: extent.reach * np.array([[0.003, 0.01], [1.0, 0.95]]),
         corners=(0, 1),
@@ -269,14 +160,14 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     KINKS: Kind(
         ELASTIC, False,
         lambda extent: extent.reach * np.linspace(-0.96, 0.96, PLACES)[:, None],
-        _by_row(kink),
+        by_row(kink),
         signed=(0,),
     ),
     # Lookup tables of block diagrams and measured characteristics.
     SPRING_TABLE: Kind(
         ELASTIC, False,
         nodes,
-        _by_row(looked_up),
+        by_row(looked_up),
         {1: (0.0, np.inf)},
         together=looked_up_together,
         signed=(0,),
@@ -289,7 +180,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     "a few preloads": Kind(
         ELASTIC, False,
         lambda extent: _at_places(extent, (0.01, 0.03, 0.1)),
-        _by_row(preload),
+        by_row(preload),
         {1: (0.0, np.inf)},
         limits=lambda extent: extent.reach * np.array([[-1.0, 0.003], [1.0, 0.5]]),
         signed=(0,),
@@ -305,15 +196,15 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         limits=lambda extent: extent.reach * np.array([[0.003], [3.0]]),
     ),
     # Dampers of clutches and flywheels, whose stages rub once they engage, or once a play is taken up.
-    "a few sliders beyond a clearance": _engaging(_by_row(beyond_clearance)),
+    "a few sliders beyond a clearance": _engaging(by_row(beyond_clearance)),
     "a few sliders behind a play": _engaging(behind_play),
     # Linkages, cams, tendons: the friction inside has a lever that changes with the place.
     "a few sliders on a lever": Kind(
         MEMORY, True,
-        lambda extent: extent.lever * _with(
+        lambda extent: extent.lever * with_each(
             np.geomspace(0.006, 0.3, 5), *(way for way in itertools.product((-0.5, 0.0, 0.5), (-0.4, 0.0, 0.4)) if any(way))
         ),
-        _by_row(levered),
+        by_row(levered),
         limits=lambda extent: extent.lever * [[0.003, -1.0, -1.0], [1.0, 1.0, 1.0]],
         signed=(1, 2),
     ),
@@ -326,7 +217,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
             for exponent in (0.1, 1.0)
             for place, interval in nodes(extent)
         ]),
-        _by_row(rubbing),
+        by_row(rubbing),
         {0: (0.0, np.inf), 2: (0.0, np.inf)},
         together=rubbing_together,
         limits=lambda extent: extent.reach * np.array([[0.002, 0.02 / extent.reach, 0.01, -1.2], [1.0, 3.0 / extent.reach, 1.0, 1.2]]),
@@ -338,24 +229,24 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     "smooth yielding": Kind(
         MEMORY, True,
         _smooth_sizes,
-        _timeless(smooth),
+        timeless(smooth),
         {1: (0.0, np.inf)},
     ),
     "a few smooth sliders": Kind(
         MEMORY, True,
         _smooth_sizes,
-        _timeless(smooth),
+        timeless(smooth),
         {1: (0.0, np.inf)},
         limits=lambda extent: np.array([[0.004 * extent.reach, 1.0, 0.3], [3.0 * extent.reach, 8.0, 3.0]]),
     ),
     # Friction that the spring's load presses, as in gears, belts and cams.
     "a few sliders pressed by the load": Kind(
         MEMORY, True,
-        lambda extent: _with(
+        lambda extent: with_each(
             extent.reach * np.geomspace(0.01, 0.2, 5),
             *itertools.product(extent.reach * np.array([0.3, 1.0, 3.0]), (1.0, 2.0)),
         ),
-        _timeless(pressed),
+        timeless(pressed),
         {2: (0.0, np.inf)},
         limits=lambda extent: np.array([
             [0.003 * extent.reach, 0.1 * extent.reach, 0.5], [1.0 * extent.reach, 30.0 * extent.reach, 4.0],
@@ -364,10 +255,10 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     # Timber, bolts and concrete: a loop that is slack in its middle.
     "a few pinched sliders": Kind(
         MEMORY, True,
-        lambda extent: _with(
+        lambda extent: with_each(
             extent.reach * np.geomspace(0.05, 1.0, 5), *itertools.product((1.0, 2.0), (0.75,), (0.5,), (0.1, 0.3), (0.3,))
         ),
-        _timeless(pinched),
+        timeless(pinched),
         {1: (0.0, np.inf), 3: (0.0, 1.0), 5: (0.01, np.inf)},
         limits=lambda extent: np.array([
             [0.02 * extent.reach, 1.0, 0.3, 0.02, 0.005, 0.08], [3.0 * extent.reach, 4.0, 1.5, 0.95, 0.9, 1.5],
@@ -376,20 +267,41 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     # Wires and hinges of shape memory alloy: Graesser and Cozzarelli (J. Eng. Mech. 117, 1991).
     "a few superelastic wires": Kind(
         MEMORY, True,
-        lambda extent: extent.wire * _with(
+        lambda extent: extent.wire * with_each(
             np.array([0.05, 0.1, 0.2, 0.4]), *itertools.product((2.0,), (0.1,), (0.03, 0.1, 0.3), (2.0, 4.0, 8.0))
         ),
-        _by_row(wire),
+        by_row(wire),
         limits=lambda extent: extent.wire * [[0.003, 1.0, 0.003, 0.003, 0.3], [2.0, 8.0, 3.0, 5.0, 50.0]],
         evident=True,
+    ),
+    # Alloys that change their phase wire by wire, piezo stages: Krasnosel'skii and Pokrovskii (Systems with Hysteresis, 1989).
+    KERNELS: Kind(
+        MEMORY, True,
+        lambda extent: extent.reach * np.array(list(itertools.product(
+            (0.05, 0.1, 0.2, 0.4, 0.8), (0.03, 0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0), np.linspace(-1.4, 0.9, 16),
+        ))),
+        by_row(switching),
+        limits=lambda extent: extent.reach * np.array([[0.01, 0.005, -2.0], [2.0, 2.0, 1.0]]),
+        signed=(2,),
+        shared=(1,),
+        many=True,
+    ),
+    # Gels and metals that flow the faster the more they are beyond their yield point: Perzyna (Advances in Applied Mechanics 9, 1966).
+    "a few viscoplastic sliders": Kind(
+        MEMORY, True,
+        lambda extent: extent.flowing * with_each(np.array([0.02, 0.06, 0.2]), (0.003, 1.0), (0.03, 1.0), (0.3, 1.0)),
+        timed_by(viscoplastic),
+        {1: (0.0, np.inf), 2: (0.0, np.inf)},
+        timed=True,
+        limits=lambda extent: extent.flowing * [[0.002, 0.001, 0.3], [2.0, 100.0, 6.0]],
     ),
     # Dampers of magnetorheological fluid with their accumulator: Spencer et al. (J. Eng. Mech. 123, 1997).
     "a few sliders behind dashpots": Kind(
         MEMORY, True,
-        lambda extent: extent.dashed * _with(
+        lambda extent: extent.dashed * with_each(
             np.geomspace(0.05, 1.0, 4), *itertools.product((1.0, 2.0), (0.75,), (2.0, 10.0, 50.0), (0.3, 3.0), (0.1,))
         ),
-        _timed(dashed),
+        timed_by(dashed),
         {1: (0.0, np.inf), 3: (0.0, np.inf)},
         timed=True,
         limits=lambda extent: extent.dashed * [
@@ -400,10 +312,10 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     # Harmonic drives, and springs before a gear: what rubs inside is compliant on both sides.
     "a few springs held by friction": Kind(
         MEMORY, True,
-        lambda extent: extent.drive * _with(
+        lambda extent: extent.drive * with_each(
             np.array([0.03, 0.12]), *itertools.product((0.01,), (1.5,), (0.01, 0.1), (0.1, 1.0))
         ),
-        _timed(held_inside),
+        timed_by(held_inside),
         {1: (0.0, np.inf)},
         timed=True,
         limits=lambda extent: extent.drive * [[0.003, 0.001, 0.05, 0.001, 0.003], [2.0, 0.2, 20.0, 2.0, 10.0]],
@@ -412,13 +324,13 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     # Joints of an engine for rigid bodies (MuJoCo and its like) have mass, damping and dry friction that creeps.
     "a few sliders with mass": Kind(
         MEMORY, True,
-        lambda extent: extent.body * _with(
+        lambda extent: extent.body * with_each(
             np.geomspace(0.02, 1.0, 8),
             *itertools.product((0.03, 0.1, 0.4, 1.6), (0.3, 2.0), (0.003, 0.05), (0.01,), (0.01,), (0.1,)),
             # One that swings is found near its own frequency only.
             *itertools.product(np.geomspace(0.1, 1.0, 8), (0.05,), (0.05,), (0.01,), (0.01,), (0.1,)),
         ),
-        _timed(sliding),
+        timed_by(sliding),
         {1: (0.0, np.inf), 3: (0.0, np.inf)},
         timed=True,
         limits=lambda extent: extent.body * BODIES,
@@ -437,10 +349,10 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     # Metal that yields: its back stresses recall themselves.
     "a few hardening sliders": Kind(
         MEMORY, True,
-        lambda extent: extent.metal * _with(
+        lambda extent: extent.metal * with_each(
             np.geomspace(0.01, 0.4, 9), *itertools.product((0.3, 0.8, 2.0), (0.03, 0.1, 0.3), (0.2,), (1.0,), (0.03,), (3.0,))
         ),
-        _timeless(hardening),
+        timeless(hardening),
         {2: (0.0, np.inf), 4: (0.0, np.inf), 6: (0.0, np.inf)},
         limits=lambda extent: extent.metal * [
             [0.003, 0.02, 0.01, 0.01, 0.1, 1e-3, 0.1], [1.0, 10.0, 1.0, 3.0, 10.0, 3.0, 100.0],
@@ -449,8 +361,8 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     # Leaf springs: Fancher et al. (SAE paper 800905, 1980).
     "a few leaves": Kind(
         MEMORY, True,
-        lambda extent: extent.leaf * _with(np.geomspace(0.01, 0.3, 6), (0.4, 0.3), (1.0, 0.6), (2.5, 0.3)),
-        _by_row(leaves),
+        lambda extent: extent.leaf * with_each(np.geomspace(0.01, 0.3, 6), (0.4, 0.3), (1.0, 0.6), (2.5, 0.3)),
+        by_row(leaves),
         {1: (0.0, np.inf)},
         limits=lambda extent: extent.leaf * [[0.002, 0.1, 0.01], [2.0, 10.0, 10.0]],
         all_along=True,
@@ -459,16 +371,26 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     "Stribeck friction": Kind(
         MEMORY, True,
         _stribeck_sizes,
-        _by_row(stribeck),
+        by_row(stribeck),
         by_speed=True,
     ),
     "a few Stribeck sliders": Kind(
         MEMORY, True,
         lambda extent: np.insert(_stribeck_sizes(extent), [3, 3], [0.03 * extent.interval, 2.0], axis=1),
-        _by_row(stribeck),
+        by_row(stribeck),
         limits=lambda extent: extent.slipping * [[0.001, 0.003, 0.02, 0.003, 0.5], [1.0, 5.0, 6.0, 30.0, 3.0]],
         later=(3, 4),
         exact=(4,),
+        by_speed=True,
+    ),
+    # The same that does not creep at small torques: Dupont et al. (IEEE TAC 47, 2002).
+    "a few elasto-plastic sliders": Kind(
+        MEMORY, True,
+        lambda extent: extent.sticky[[0, 1, 2, 3, 2]] * with_each(
+            np.array([0.004, 0.012, 0.04, 0.12]), *itertools.product((0.03, 0.1, 0.3, 1.0), (0.5, 1.5), (0.3,), (0.6,))
+        ),
+        by_row(breaking_away),
+        limits=lambda extent: extent.sticky[[0, 1, 2, 3, 2]] * [[0.001, 0.003, 0.02, 0.003, 0.05], [1.0, 5.0, 6.0, 30.0, 0.98]],
         by_speed=True,
     ),
     # Generalised Maxwell slip: Lampaert, Al-Bender and Swevers (Physics and Control, 2003).
@@ -478,7 +400,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     # Hysteresis that as a whole is stronger at rest, as rolling friction: Swevers et al. (IEEE TAC 45, 2000).
     "a few stops stronger at rest": Kind(
         MEMORY, True,
-        lambda extent: extent.sticky[:2] * _with(np.geomspace(0.01, 0.6, 6), (0.2,), (0.6,), (2.0,)),
+        lambda extent: extent.sticky[:2] * with_each(np.geomspace(0.01, 0.6, 6), (0.2,), (0.6,), (2.0,)),
         stronger_at_rest,
         {1: (0.0, np.inf)},
         limits=lambda extent: extent.sticky[:2] * [[0.003, 0.01], [3.0, 5.0]],
@@ -488,7 +410,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     # Hysteresis that is stronger the faster it is gone through: pneumatic muscles, rate-dependent Prandtl-Ishlinskii models.
     "a few stops stronger in motion": Kind(
         MEMORY, True,
-        lambda extent: extent.sticky[:2] * _with(np.geomspace(0.01, 0.6, 6), (0.1,), (0.5,), (2.0,)),
+        lambda extent: extent.sticky[:2] * with_each(np.geomspace(0.01, 0.6, 6), (0.1,), (0.5,), (2.0,)),
         stronger_in_motion,
         {1: (0.0, np.inf)},
         limits=lambda extent: extent.sticky[:2] * [[0.003, 0.003], [3.0, 20.0]],
@@ -499,14 +421,14 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     # Joints of such an engine up to joint limits or pads.
     "a few sliders with mass between stops": Kind(
         MEMORY, True,
-        lambda extent: extent.stopped * _with(
+        lambda extent: extent.stopped * with_each(
             np.array([0.05, 0.15, 0.4]),
             *(
                 (*body, 0.01, 0.01, 0.01, 0.1, stop, 1.0, hold, 0.03)
                 for *body, stop, hold in itertools.product((0.1, 0.4, 1.6), (0.3, 2.0), (0.35, 0.55, 0.75), (0.3, 1.0))
             ),
         ),
-        _timed(sliding),
+        timed_by(sliding),
         {1: (0.0, np.inf), 3: (0.0, np.inf)},
         timed=True,
         limits=lambda extent: extent.stopped * np.hstack([BODIES, [[0.1, 0.3, 0.02, 0.005], [1.0, 3.0, 5.0, 1.0]]]),
@@ -515,10 +437,10 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     # Spreadsheets, and engines for rigid bodies asked for the torque of a given motion: the sign of the speed, made smooth.
     "friction by speed": Kind(
         RATE, False,
-        lambda extent: extent.rigid * _with(
+        lambda extent: extent.rigid * with_each(
             np.geomspace(0.0005, 0.3, 12), *itertools.product((0.2, 5.0), (0.003, 0.3))
         ),
-        _by_row(by_speed),
+        by_row(by_speed),
         {0: (0.0, np.inf), 1: (0.0, np.inf)},
         limits=lambda extent: extent.rigid * [[1e-4, 0.05, 1e-3], [3.0, 50.0, 50.0]],
         by_speed=True,
@@ -526,8 +448,8 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     # Friction of a drive line's simulator: Simscape's rotational friction (Armstrong and Canudas de Wit, 1996), Tustin's.
     "friction at low speed": Kind(
         RATE, False,
-        lambda extent: extent.fast * _with(np.geomspace(0.02, 1.0, 8), (0.05,), (0.5,)),
-        _by_row(at_low_speed),
+        lambda extent: extent.fast * with_each(np.geomspace(0.02, 1.0, 8), (0.05,), (0.5,)),
+        by_row(at_low_speed),
         {0: (0.0, np.inf), 1: (0.0, np.inf)},
         limits=lambda extent: extent.fast * np.array([[0.003, 0.001], [5.0, 20.0]]),
         by_speed=True,
@@ -536,7 +458,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     "friction by speed and load": Kind(
         RATE, False,
         lambda extent: extent.fast * np.geomspace(0.003, 0.3, 6)[:, None] * [1.0, 0.0] + [0.0, 1.0],
-        _by_row(pressed_by_speed),
+        by_row(pressed_by_speed),
         limits=lambda extent: np.array([[1e-3 * extent.fast, 0.3], [3.0 * extent.fast, 4.0]]),
         by_speed=True,
     ),
@@ -544,19 +466,19 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     "damping by direction": Kind(
         RATE, False,
         lambda extent: np.array(list(itertools.product((0.5, 1.0, 1.5, 2.0), (0.0, 1.0)))),
-        _by_row(damping),
+        by_row(damping),
         timed=True,
     ),
     "damping by direction and place": Kind(
         RATE, False,
         lambda extent: np.array(list(itertools.product((1.0, 2.0), (0.0, 1.0), (1, 2)))),
-        _by_row(damping),
+        by_row(damping),
         timed=True,
     ),
     "damping beyond a place": Kind(
         RATE, False,
         lambda extent: _at_places(extent, (0.02, 0.1), (0.1,), (1.0,), (10.0,)),
-        _by_row(damping_beyond),
+        by_row(damping_beyond),
         {1: (0.0, np.inf)},
         timed=True,
         limits=lambda extent: np.array([[-extent.reach, 0.003 * extent.reach, 0.01], [extent.reach, 0.5 * extent.reach, 100.0]]),
@@ -565,8 +487,8 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     # Its backlash and stops: they damp only where they touch.
     "damping in contact": Kind(
         RATE, False,
-        lambda extent: extent.reach * _with(np.geomspace(0.02, 0.8, 10), (0.01,), (0.05,)),
-        _by_row(in_contact),
+        lambda extent: extent.reach * with_each(np.geomspace(0.02, 0.8, 10), (0.01,), (0.05,)),
+        by_row(in_contact),
         {0: (0.0, np.inf), 1: (0.0, np.inf)},
         timed=True,
         limits=lambda extent: extent.reach * np.array([[0.003, 0.001], [1.0, 0.3]]),
@@ -574,10 +496,10 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     # Dampers of magnetorheological fluid by a formula without memory: Kwok et al. (Smart Mater. Struct. 15, 2006).
     "friction by speed and side": Kind(
         RATE, False,
-        lambda extent: extent.sided * _with(
+        lambda extent: extent.sided * with_each(
             np.geomspace(0.03, 1.0, 6), *itertools.product((0.3, 1.5), (0.03, 0.3), (0.03,))
         ),
-        _by_row(by_speed_and_side),
+        by_row(by_speed_and_side),
         {0: (0.0, np.inf), 2: (0.0, np.inf), 3: (0.0, np.inf)},
         limits=lambda extent: extent.sided * [[0.003, 0.01, 0.003, 0.003], [5.0, 20.0, 3.0, 50.0]],
         later=(3,),
@@ -586,16 +508,16 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     "relaxation": Kind(
         RATE, False,
         lambda extent: np.geomspace(4.0 * extent.interval, extent.duration / 3.0, 7)[:, None],
-        _by_row(lag),
+        by_row(lag),
     ),
     # A Maxwell arm whose slider gives way, as in dampers of magnetorheological fluid: Spencer et al. (J. Eng. Mech. 123, 1997).
     "leaky sliders": Kind(
         MEMORY, True,
-        lambda extent: _with(
+        lambda extent: with_each(
             extent.reach * np.geomspace(0.02, 1.2, 8),
             *((constant,) for constant in np.geomspace(3.0 * extent.interval, extent.duration / 10.0, 6)),
         ),
-        _timed(leaky),
+        timed_by(leaky),
         {1: (0.0, np.inf)},
         timed=True,
     ),
@@ -605,16 +527,32 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         lambda extent: extent.throttled * np.array(list(itertools.product(
             np.geomspace(0.003, 0.3, 5), (0.03, 0.3, 3.0), (0.5, 1.0, 2.0)
         ))),
-        _timed(orifice),
+        timed_by(orifice),
         {0: (0.0, np.inf), 1: (0.0, np.inf)},
         timed=True,
         limits=lambda extent: extent.throttled * [[1e-4, 1e-3, 0.1], [100.0, 100.0, 10.0]],
         evident=True,
     ),
+    # Pneumatic drives: chambers of gas that leak.
+    "a few leaking chambers": Kind(
+        MEMORY, True,
+        lambda extent: extent.chambered * with_each(
+            np.array([0.05]), *itertools.product((0.8, 0.5, 0.25, -0.25, -0.5, -0.8), (0.01, 0.1, 1.0), (1.2,), (0.03,), (0.03,))
+        ),
+        by_row(leaking_chamber),
+        {3: (0.0, 5.0), 5: (0.0, np.inf)},
+        timed=True,
+        limits=lambda extent: extent.chambered * [[1e-3, -0.9, 1e-3, 1.0, 1e-3, 2e-3], [3.0, 0.9, 30.0, 1.67, 1.0, 1.0]],
+        # Gas has no friction: the corner of what leaks hardly tells, so that it may be there first.
+        corners=(),
+        signed=(1,),
+        shared=(0, 2, 3, 4, 5),
+        many=True,
+    ),
     # Torque that is told late.
     "lagging stops": Kind(
         MEMORY, False,
-        lambda extent: _with(
+        lambda extent: with_each(
             extent.reach * np.geomspace(0.02, 0.8, 6),
             *((constant,) for constant in np.geomspace(3.0 * extent.interval, extent.duration / 20.0, 5)),
         ),
@@ -625,7 +563,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     ),
     "curved plays": Kind(
         MEMORY, False,
-        lambda extent: _with(
+        lambda extent: with_each(
             extent.reach * np.geomspace(0.009, 0.55, 6), (2.0, 0.0), (3.0, 0.0), (1.0, 2.0), (2.0, 1.0)
         ),
         curved,

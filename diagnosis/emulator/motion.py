@@ -205,6 +205,16 @@ class Extent:
         return np.array([self.reach, 1.0, 1.0, self.interval, self.interval, 1.0])
 
     @property
+    def flowing(self) -> Floats:
+        """The same of a viscoplastic slider: rad, s, 1; shape (3,)."""
+        return np.array([self.reach, self.reach / self.fast, 1.0])
+
+    @property
+    def chambered(self) -> Floats:
+        """The same of a chamber of gas: 1, 1/rad, 1/s, 1, 1, rad; shape (6,)."""
+        return np.array([1.0, 1.0 / self.reach, self.fast / self.reach, 1.0, 1.0, self.reach])
+
+    @property
     def drive(self) -> Floats:
         """The same of a spring that is held inside a drive: rad, rad, 1, s, 1/rad²; shape (5,)."""
         return np.array([self.reach, self.reach, 1.0, self.reach / self.fast, 1.0 / self.reach**2])

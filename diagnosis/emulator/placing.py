@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from ..nonlinear import least
-from .kinds import Kind
+from .kind import Kind
 from .motion import Extent, Motion
 from .selection import CLEARLY, EXACT, WORTHWHILE
 
@@ -37,6 +37,9 @@ HOPELESS, COSTLY, HIDDEN = 0.97, 0.95, 0.9
 time, and of kinds that would be evident."""
 EVIDENTLY = 0.65
 """What one more element of the latter must leave of the error at most."""
+TOGETHER, TRIED_AT_ONCE, NOTHING = 0.6, 3, 1e-3
+"""What many of those to choose from must leave of the error at most for these to be moved, how many ways to share what they share
+are tried, and the weight, over the largest one, below which one is left out."""
 RICH, POOR = 8, 0.01
 """From so many sizes on an element is looked for only where so much of the error is left."""
 
@@ -145,7 +148,7 @@ class _Maker:
         self._low, self._high = self._logs(limits)
         self._first = ~np.isin(np.arange(self._low.size), kind.later)
         self._moves = ~np.isin(np.arange(self._low.size), kind.table)
-        self._shared, self._is_table = list(kind.shared), bool(kind.table)
+        self._shared, self._is_table, self._many = list(kind.shared), bool(kind.table), kind.many
         self._most = MANY if kind.shared else MOST
         self._evident, self._tries = kind.evident, kind.starts
         self._hopeless_at_first = HIDDEN if kind.evident else COSTLY if kind.timed else HOPELESS
@@ -155,7 +158,7 @@ class _Maker:
         self._sign = sign
         self._wanted = wanted
         # From one derivative to the next only the sizes of one element differ.
-        self._column = functools.lru_cache(maxsize=2 * (NODES if kind.table else self._most))(
+        self._column = functools.lru_cache(maxsize=2 * (NODES if kind.table or kind.many else self._most))(
             lambda logs: columns(self._sizes(np.array(logs)))[:, 0]
         )
         self._at = np.full(1, np.nan)
@@ -180,6 +183,9 @@ class _Maker:
         """Sizes (k, m) of as many elements as are worthwhile, and the error that they leave."""
         if self._is_table:
             return self._table_made()
+        if self._many:
+            logs, error = self._many_made()
+            return self._sizes(logs), error
         logs, error = self._grown(np.empty(0), float(np.linalg.norm(self._goal)))
         if self._shared and logs.size > self._low.size and error > EXACT:
             # What they share is not found by a few of them where there are many.
@@ -214,13 +220,38 @@ class _Maker:
                 break
         return logs, error
 
+    def _many_made(self) -> tuple[Floats, float]:
+        """As many as help together, where they do: logarithms of sizes (any,), and the error that they leave."""
+        error = float(np.linalg.norm(self._goal))
+        found = [
+            self._settled(begun, STEPS)
+            for left, begun in self._begun_at_once()[:TRIED_AT_ONCE]
+            if begun.size and left < TOGETHER * error
+        ]
+        if not found:
+            return np.empty(0), error
+        return self._settled(min(found, key=lambda each: each[1])[0], MORE)
+
+    def _settled(self, logs: Floats, steps: tuple[int, float]) -> tuple[Floats, float]:
+        """Those that are left of many when all are moved, and the error that they leave."""
+        moved, _ = self._moved(logs, steps, self._moves)
+        weights, left = self._weighed(moved)
+        return moved.reshape(-1, self._low.size)[weights > NOTHING * np.max(weights)].ravel(), left
+
     def _at_once(self) -> Floats:
         """Those to choose from that share what they do and help most together: logarithms of sizes (any,)."""
+        return self._begun_at_once()[0][1]
+
+    def _begun_at_once(self) -> list[tuple[float, Floats]]:
+        """The same of every way to share it, the best first, each after the error that it leaves."""
         _, group = np.unique(self._starts[:, self._shared], axis=0, return_inverse=True)
         groups = [np.flatnonzero(group.ravel() == k) for k in range(int(group.max()) + 1)]
         found = [nnls(self._sign * self._tried[:, members], self._goal) for members in groups]
-        k = int(np.argmin([left for _, left in found]))
-        return np.asarray(self._starts[groups[k][found[k][0] > 0.0]].ravel())
+        ways = [
+            (float(left), np.asarray(self._starts[members[weights > 0.0]].ravel()))
+            for members, (weights, left) in zip(groups, found, strict=True)
+        ]
+        return sorted(ways, key=lambda each: each[0])
 
     def _sizes(self, logs: Floats) -> Floats:
         rows = logs.reshape(-1, self._unit.size)

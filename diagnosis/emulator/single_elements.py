@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import expit
 
-from ..operators.levels import attracted, yielding
+from ..operators.chambers import chamber
+from ..operators.kernels import kernel
+from ..operators.levels import attracted, elastoplastic, yielding
 from ..operators.memory import enveloped, hyperbolic, lagged, lowpass, plays
 from ..operators.superelastic import superelastic
 from .motion import Motion
@@ -117,6 +119,16 @@ def stribeck(
     return length * bristle + damping * bending
 
 
+def breaking_away(
+    motion: Motion, length: float, pace: float, excess: float, damping: float, breakaway: float
+) -> Floats:
+    """The same of an elasto-plastic bristle, which does not creep below the share ``breakaway`` of its level."""
+    level = _level(motion, pace, excess, 2.0)
+    return length * motion.from_rest(
+        lambda x, time, level: elastoplastic(time, x, level, length, breakaway, damping), motion.time, level
+    )
+
+
 def slipping(
     motion: Motion,
     length: float,
@@ -142,6 +154,31 @@ def wire(motion: Motion, length: float, power: float, after: float, tail: float,
     def answer(path: Floats, x: Floats) -> Floats:
         begun = float(x[-1] - path[-1])
         return superelastic(path + begun, length, power, after, tail, steepness, begun)
+
+    return motion.from_rest(answer, motion.x)
+
+
+def leaking_chamber(
+    motion: Motion, corner: float, share: float, pace: float, exponent: float, seal: float, width: float
+) -> Floats:
+    """A chamber of gas and its seal, which knows where it is also where its memory begins elsewhere."""
+
+    def answer(path: Floats, x: Floats, time: Floats) -> Floats:
+        begun = float(x[-1] - path[-1])
+        return chamber(time, path + begun, corner, share, pace, exponent, seal, width, begun)
+
+    return motion.from_rest(answer, motion.x, motion.time)
+
+
+def switching(motion: Motion, width: float, length: float, place: float) -> Floats:
+    """A part whose torque goes over to another branch, and back ``width`` (rad) earlier, which takes ``length``: it softens meanwhile.
+
+    It knows where it is also where its memory begins elsewhere.
+    """
+
+    def answer(path: Floats, x: Floats) -> Floats:
+        begun = float(x[-1] - path[-1])
+        return -kernel(path + begun, width, length, place, begun)
 
     return motion.from_rest(answer, motion.x)
 

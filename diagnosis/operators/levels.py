@@ -6,9 +6,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["attracted", "slid", "yielding"]
+__all__ = ["attracted", "elastoplastic", "slid", "yielding"]
 
 Floats = NDArray[np.float64]
+BENT, FAR = 0.1, 10.0
+"""Ways of an elasto-plastic bristle, over what stretches it to one: of one step, and after which it is at its level."""
 
 
 @njit(cache=True)
@@ -19,6 +21,34 @@ def _yielding(x, level, length, out):
         towards = level[i] if moved > 0.0 else -level[i]
         f = towards + (f - towards) * np.exp(-abs(moved) / (length * level[i]))
         out[i] = f
+
+
+@njit(cache=True)
+def _elastic_share(f, step, most, breakaway):
+    size = abs(f)
+    if f * step <= 0.0 or size <= breakaway:
+        return 1.0
+    if size >= most or breakaway >= most:
+        return 1.0 - size / most
+    return 1.0 - 0.5 * (1.0 - np.cos(np.pi * (size - breakaway) / (most - breakaway))) * size / most
+
+
+@njit(cache=True)
+def _elastoplastic(time, x, level, length, breakaway, damping, out):
+    f, out[0] = 0.0, 0.0
+    for i in range(1, x.size):
+        moved, most, dt = (x[i] - x[i - 1]) / length, level[i], time[i] - time[i - 1]
+        if abs(moved) > FAR:
+            # It has long been at its level.
+            f, moved = (most if moved > 0.0 else -most), 0.0
+        parts = int(np.ceil(abs(moved) / BENT))
+        step = moved / max(parts, 1)
+        for _ in range(parts):
+            # The midpoint method: how much of the way is plastic bends with the stretch.
+            middle = f + 0.5 * step * _elastic_share(f, step, most, breakaway)
+            f += step * _elastic_share(middle, step, most, breakaway)
+        bending = _elastic_share(f, step, most, breakaway) * moved / dt if dt > 0.0 else 0.0
+        out[i] = f + damping * bending
 
 
 @njit(cache=True)
@@ -56,6 +86,21 @@ def yielding(x: Floats, level: Floats, length: float) -> Floats:
     """LuGre bristle of stiffness 1/``length`` over ``x`` (n,) that yields at ``level`` (n,), shape (n,)."""
     out = np.zeros(x.size)
     _yielding(np.ascontiguousarray(x), np.ascontiguousarray(level), float(length), out)
+    return out
+
+
+def elastoplastic(
+    time: Floats, x: Floats, level: Floats, length: float, breakaway: float, damping: float = 0.0
+) -> Floats:
+    """The same of an elasto-plastic bristle, which yields by and by from ``breakaway`` on: Dupont et al. (IEEE TAC 47, 2002).
+
+    It resists its own speed by ``damping`` (s) times its stiffness.
+    """
+    out = np.zeros(x.size)
+    _elastoplastic(
+        np.ascontiguousarray(time), np.ascontiguousarray(x), np.ascontiguousarray(level), float(length), float(breakaway),
+        float(damping), out,
+    )  # fmt: skip
     return out
 
 
