@@ -73,8 +73,13 @@ class Generalised:
         self.fast = max(float(np.std(signals.speed)), 1e-300)
         self._find_anywhere(anywhere, [name for name in KINDS if name != KERNELS])
         if self.error > TABLED:
-            # Many of them follow much that is another law, so by themselves, and only where none was found.
-            self._take_if_closer(lambda: self._find_anywhere(anywhere, [KERNELS]), CLEARLY)
+            self._take_if_closer(lambda: self._find_kernels(anywhere), CLEARLY)
+
+    def _find_kernels(self, anywhere: bool) -> None:
+        """Identify all with kernels: many of them follow much that is another law, so by themselves, and only where none was found."""
+        self._find_anywhere(anywhere, [KERNELS])
+        if KERNELS not in self.further:
+            self.error = np.inf
 
     def _find_anywhere(self, anywhere: bool, placing: Collection[str]) -> None:
         """Identify all, with those in ``placing`` of the kinds that are moved, of a simulator whose memory may begin ``anywhere``."""
