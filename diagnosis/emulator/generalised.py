@@ -75,12 +75,6 @@ class Generalised:
         if self.error > TABLED:
             self._take_if_closer(lambda: self._find_kernels(anywhere), CLEARLY)
 
-    def _find_kernels(self, anywhere: bool) -> None:
-        """Identify all with kernels: many of them follow much that is another law, so by themselves, and only where none was found."""
-        self._find_anywhere(anywhere, [KERNELS])
-        if KERNELS not in self.further:
-            self.error = np.inf
-
     def _find_anywhere(self, anywhere: bool, placing: Collection[str]) -> None:
         """Identify all, with those in ``placing`` of the kinds that are moved, of a simulator whose memory may begin ``anywhere``."""
         signals, self.placing = self.signals, placing
@@ -231,6 +225,12 @@ class Generalised:
             for name, weights in found.items()
             if np.any(weights)
         }
+
+    def _find_kernels(self, anywhere: bool) -> None:
+        """Identify all with kernels: many of them follow much that is another law, so by themselves, and only where none was found."""
+        self._find_anywhere(anywhere, [KERNELS])
+        if KERNELS not in self.further:
+            self.error = np.inf
 
     def _enlarged(self, placing: Collection[str]) -> tuple[int, dict[str, Floats]]:
         """How many stops, and the sizes of which further elements, are needed."""
