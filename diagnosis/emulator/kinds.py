@@ -294,6 +294,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         {1: (0.0, np.inf), 2: (0.0, np.inf)},
         timed=True,
         limits=lambda extent: extent.flowing * [[0.002, 0.001, 0.3], [2.0, 100.0, 6.0]],
+        last=True,
     ),
     # Dampers of magnetorheological fluid with their accumulator: Spencer et al. (J. Eng. Mech. 123, 1997).
     "a few sliders behind dashpots": Kind(
@@ -392,6 +393,8 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         by_row(breaking_away),
         limits=lambda extent: extent.sticky[[0, 1, 2, 3, 2]] * [[0.001, 0.003, 0.02, 0.003, 0.05], [1.0, 5.0, 6.0, 30.0, 0.98]],
         by_speed=True,
+        last=True,
+        like="a few Stribeck sliders",
     ),
     # Generalised Maxwell slip: Lampaert, Al-Bender and Swevers (Physics and Control, 2003).
     SLIP: _slip_elements(slipping),
@@ -548,6 +551,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         signed=(1,),
         shared=(0, 2, 3, 4, 5),
         many=True,
+        last=True,
     ),
     # Torque that is told late.
     "lagging stops": Kind(

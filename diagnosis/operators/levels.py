@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 __all__ = ["attracted", "elastoplastic", "slid", "yielding"]
 
 Floats = NDArray[np.float64]
-BENT, FAR = 0.1, 10.0
-"""Ways of an elasto-plastic bristle, over what stretches it to one: of one step, and after which it is at its level."""
+BENT, FAR, SLIDING = 0.2, 8.0, 0.98
+"""Ways of an elasto-plastic bristle, over what stretches it to one: of one step, and after which it is at its level; and the share of
+its level at which it slides."""
 
 
 @njit(cache=True)
@@ -38,17 +39,22 @@ def _elastoplastic(time, x, level, length, breakaway, damping, out):
     f, out[0] = 0.0, 0.0
     for i in range(1, x.size):
         moved, most, dt = (x[i] - x[i - 1]) / length, level[i], time[i] - time[i - 1]
-        if abs(moved) > FAR:
-            # It has long been at its level.
-            f, moved = (most if moved > 0.0 else -most), 0.0
-        parts = int(np.ceil(abs(moved) / BENT))
-        step = moved / max(parts, 1)
+        towards = most if moved > 0.0 else -most
+        if abs(moved) > FAR or f * moved >= SLIDING * most * abs(moved):
+            # It slides, or has long been sliding.
+            f = towards + (f - towards) * np.exp(-abs(moved) / most)
+            moved_on = 0.0
+        else:
+            moved_on = moved
+        parts = int(np.ceil(abs(moved_on) / BENT))
+        step = moved_on / max(parts, 1)
         for _ in range(parts):
             # The midpoint method: how much of the way is plastic bends with the stretch.
             middle = f + 0.5 * step * _elastic_share(f, step, most, breakaway)
             f += step * _elastic_share(middle, step, most, breakaway)
-        bending = _elastic_share(f, step, most, breakaway) * moved / dt if dt > 0.0 else 0.0
-        out[i] = f + damping * bending
+        out[i] = f
+        if damping > 0.0 and dt > 0.0:
+            out[i] += damping * _elastic_share(f, moved, most, breakaway) * moved / dt
 
 
 @njit(cache=True)

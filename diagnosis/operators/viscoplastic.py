@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 __all__ = ["viscoplastic"]
 
 Floats = NDArray[np.float64]
-PARTS = 4
+PARTS = 3
 """Steps to a sample."""
 
 
