@@ -388,12 +388,13 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     "a few elasto-plastic sliders": Kind(
         MEMORY, True,
         lambda extent: extent.sticky[[0, 1, 2, 3, 2]] * with_each(
-            np.array([0.004, 0.012, 0.04, 0.12]), *itertools.product((0.03, 0.1, 0.3, 1.0), (0.5, 1.5), (0.3,), (0.6,))
+            np.array([0.004, 0.012, 0.04, 0.12]), *itertools.product((0.05, 0.3), (0.7,), (0.3,), (0.6,))
         ),
         by_row(breaking_away),
         limits=lambda extent: extent.sticky[[0, 1, 2, 3, 2]] * [[0.001, 0.003, 0.02, 0.003, 0.05], [1.0, 5.0, 6.0, 30.0, 0.98]],
         by_speed=True,
         last=True,
+        evident=True,
         like="a few Stribeck sliders",
     ),
     # Generalised Maxwell slip: Lampaert, Al-Bender and Swevers (Physics and Control, 2003).
@@ -546,7 +547,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         {3: (0.0, 5.0), 5: (0.0, np.inf)},
         timed=True,
         limits=lambda extent: extent.chambered * [[1e-3, -0.9, 1e-3, 1.0, 1e-3, 2e-3], [3.0, 0.9, 30.0, 1.67, 1.0, 1.0]],
-        # Gas has no friction: the corner of what leaks hardly tells, so that it may be there first.
+        # The first size is scaled with the strength of friction, which gas has none of: here it hardly matters.
         corners=(),
         signed=(1,),
         shared=(0, 2, 3, 4, 5),

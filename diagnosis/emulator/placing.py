@@ -184,8 +184,7 @@ class _Maker:
         if self._is_table:
             return self._table_made()
         if self._many:
-            logs, error = self._many_made()
-            return self._sizes(logs), error
+            return self._many_made()
         logs, error = self._grown(np.empty(0), float(np.linalg.norm(self._goal)))
         if self._shared and logs.size > self._low.size and error > EXACT:
             # What they share is not found by a few of them where there are many.
@@ -221,16 +220,14 @@ class _Maker:
         return logs, error
 
     def _many_made(self) -> tuple[Floats, float]:
-        """As many as help together, where they do: logarithms of sizes (any,), and the error that they leave."""
+        """The same of many: those that help together, where they do."""
         error = float(np.linalg.norm(self._goal))
-        found = [
-            self._settled(begun, STEPS)
-            for left, begun in self._begun_at_once()[:TRIED_AT_ONCE]
-            if begun.size and left < TOGETHER * error
-        ]
-        if not found:
-            return np.empty(0), error
-        return self._settled(min(found, key=lambda each: each[1])[0], MORE)
+        begun = [logs for left, logs in self._begun_at_once()[:TRIED_AT_ONCE] if logs.size and left < TOGETHER * error]
+        moved = min(
+            (self._settled(logs, STEPS) for logs in begun), key=lambda each: each[1], default=(np.empty(0), error)
+        )
+        logs, left = self._settled(moved[0], MORE) if moved[0].size else (moved[0], error)
+        return self._sizes(logs), left
 
     def _settled(self, logs: Floats, steps: tuple[int, float]) -> tuple[Floats, float]:
         """Those that are left of many when all are moved, and the error that they leave."""

@@ -171,7 +171,7 @@ def leaking_chamber(
 
 
 def switching(motion: Motion, width: float, length: float, place: float) -> Floats:
-    """A part whose torque goes over to another branch, and back ``width`` (rad) earlier, which takes ``length``: it softens meanwhile.
+    """A spring that lets go by ``length`` (rad) beyond ``place`` + ``width`` and takes hold again below ``place`` + ``length`` on the way back.
 
     It knows where it is also where its memory begins elsewhere.
     """

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 __all__ = ["attracted", "elastoplastic", "slid", "yielding"]
 
 Floats = NDArray[np.float64]
-BENT, FAR, SLIDING = 0.2, 8.0, 0.98
-"""Ways of an elasto-plastic bristle, over what stretches it to one: of one step, and after which it is at its level; and the share of
-its level at which it slides."""
+BENT, SLIDING = 0.2, 0.98
+"""Way of one step of an elasto-plastic bristle, over what stretches it to one, and the share of its level from which it slides."""
 
 
 @njit(cache=True)
@@ -40,15 +39,13 @@ def _elastoplastic(time, x, level, length, breakaway, damping, out):
     for i in range(1, x.size):
         moved, most, dt = (x[i] - x[i - 1]) / length, level[i], time[i] - time[i - 1]
         towards = most if moved > 0.0 else -most
-        if abs(moved) > FAR or f * moved >= SLIDING * most * abs(moved):
-            # It slides, or has long been sliding.
-            f = towards + (f - towards) * np.exp(-abs(moved) / most)
-            moved_on = 0.0
-        else:
-            moved_on = moved
-        parts = int(np.ceil(abs(moved_on) / BENT))
-        step = moved_on / max(parts, 1)
-        for _ in range(parts):
+        parts = int(np.ceil(abs(moved) / BENT))
+        step = moved / max(parts, 1)
+        for part in range(parts):
+            if f * towards >= SLIDING * most * most:
+                # It slides: all of the way that is left is plastic.
+                f = towards + (f - towards) * np.exp(-abs(step) * (parts - part) / most)
+                break
             # The midpoint method: how much of the way is plastic bends with the stretch.
             middle = f + 0.5 * step * _elastic_share(f, step, most, breakaway)
             f += step * _elastic_share(middle, step, most, breakaway)
