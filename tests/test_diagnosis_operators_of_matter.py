@@ -75,6 +75,8 @@ def test_elasto_plastic_bristle_does_not_creep_below_its_breakaway_and_stays_bou
     time, x = motion(60.0, 0.0, 1.0, 2.0)
     for length in (1e-3, 1e-5):
         assert np.max(np.abs(elastoplastic(time, x, np.full(x.size, 1.5), length, 0.7))) < 1.5 + 1e-9
+    # A file may hold a level that no motion reaches: it does not take for ever.
+    assert np.all(np.isfinite(elastoplastic(time, x, np.full(x.size, 1e300), 1e-12, 0.7)))
 
 
 def test_kernel_wipes_out_closes_its_loops_and_does_not_know_how_it_is_sampled() -> None:

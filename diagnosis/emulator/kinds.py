@@ -391,6 +391,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
             np.array([0.004, 0.012, 0.04, 0.12]), *itertools.product((0.05, 0.3), (0.7,), (0.3,), (0.6,))
         ),
         by_row(breaking_away),
+        {1: (0.0, np.inf)},
         limits=lambda extent: extent.sticky[[0, 1, 2, 3, 2]] * [[0.001, 0.003, 0.02, 0.003, 0.05], [1.0, 5.0, 6.0, 30.0, 0.98]],
         by_speed=True,
         last=True,

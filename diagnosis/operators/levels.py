@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 __all__ = ["attracted", "elastoplastic", "slid", "yielding"]
 
 Floats = NDArray[np.float64]
-BENT, SLIDING = 0.2, 0.98
-"""Way of one step of an elasto-plastic bristle, over what stretches it to one, and the share of its level from which it slides."""
+BENT, MOST_PARTS, SLIDING = 0.2, 200, 0.98
+"""Way of one step of an elasto-plastic bristle, over what stretches it to one, steps to a sample at most, and the share of its level from
+which it slides."""
 
 
 @njit(cache=True)
@@ -39,8 +40,11 @@ def _elastoplastic(time, x, level, length, breakaway, damping, out):
     for i in range(1, x.size):
         moved, most, dt = (x[i] - x[i - 1]) / length, level[i], time[i] - time[i - 1]
         towards = most if moved > 0.0 else -most
-        parts = int(np.ceil(abs(moved) / BENT))
+        parts = int(min(np.ceil(abs(moved) / BENT), MOST_PARTS))
         step = moved / max(parts, 1)
+        if not abs(step) < most:
+            # One step would take it there and beyond.
+            f, parts = towards, 0
         for part in range(parts):
             if f * towards >= SLIDING * most * most:
                 # It slides: all of the way that is left is plastic.
