@@ -277,9 +277,10 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     # Alloys that change their phase wire by wire, piezo stages: Krasnosel'skii and Pokrovskii (Systems with Hysteresis, 1989).
     KERNELS: Kind(
         MEMORY, True,
-        lambda extent: extent.reach * np.array(list(itertools.product(
-            (0.05, 0.1, 0.2, 0.4, 0.8), (0.03, 0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0), np.linspace(-1.4, 0.9, 16),
-        ))),
+        lambda extent: extent.reach * with_each(
+            np.array([0.05, 0.1, 0.2, 0.4, 0.8]),
+            *itertools.product((0.03, 0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0), np.linspace(-1.4, 0.9, 16)),
+        ),
         by_row(switching),
         limits=lambda extent: extent.reach * np.array([[0.01, 0.005, -2.0], [2.0, 2.0, 1.0]]),
         signed=(2,),

@@ -5,6 +5,7 @@ What takes sizes one by one gives one element, shape (n,); what takes ``sizes`` 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -148,39 +149,38 @@ def slipping(
     )
 
 
-def wire(motion: Motion, length: float, power: float, after: float, tail: float, steepness: float) -> Floats:
-    """A superelastic wire, which knows where it is also where its memory begins elsewhere."""
+def _somewhere(motion: Motion, answer: Callable[..., Floats], *others: Floats) -> Floats:
+    """What an operator answers that knows where it is also where its memory begins elsewhere.
 
-    def answer(path: Floats, x: Floats) -> Floats:
+    It is asked for the deflection, where its memory begins, and ``others`` (n,) along the way.
+    """
+
+    def along(path: Floats, x: Floats, *others: Floats) -> Floats:
         begun = float(x[-1] - path[-1])
-        return superelastic(path + begun, length, power, after, tail, steepness, begun)
+        return answer(path + begun, begun, *others)
 
-    return motion.from_rest(answer, motion.x)
+    return motion.from_rest(along, motion.x, *others)
+
+
+def wire(motion: Motion, length: float, power: float, after: float, tail: float, steepness: float) -> Floats:
+    """A superelastic wire."""
+    return _somewhere(motion, lambda x, begun: superelastic(x, length, power, after, tail, steepness, begun))
 
 
 def leaking_chamber(
     motion: Motion, corner: float, share: float, pace: float, exponent: float, seal: float, width: float
 ) -> Floats:
-    """A chamber of gas and its seal, which knows where it is also where its memory begins elsewhere."""
-
-    def answer(path: Floats, x: Floats, time: Floats) -> Floats:
-        begun = float(x[-1] - path[-1])
-        return chamber(time, path + begun, corner, share, pace, exponent, seal, width, begun)
-
-    return motion.from_rest(answer, motion.x, motion.time)
+    """A chamber of gas and its seal."""
+    return _somewhere(
+        motion,
+        lambda x, begun, time: chamber(time, x, corner, share, pace, exponent, seal, width, begun),
+        motion.time,
+    )
 
 
 def switching(motion: Motion, width: float, length: float, place: float) -> Floats:
-    """A spring that lets go by ``length`` (rad) beyond ``place`` + ``width`` and takes hold again below ``place`` + ``length`` on the way back.
-
-    It knows where it is also where its memory begins elsewhere.
-    """
-
-    def answer(path: Floats, x: Floats) -> Floats:
-        begun = float(x[-1] - path[-1])
-        return -kernel(path + begun, width, length, place, begun)
-
-    return motion.from_rest(answer, motion.x)
+    """A spring that lets go by ``length`` (rad) beyond ``place`` + ``width`` and takes hold again below ``place`` + ``length`` on the way back."""
+    return _somewhere(motion, lambda x, begun: -kernel(x, width, length, place, begun))
 
 
 def _late(motion: Motion, series: Floats, constant: float) -> Floats:
