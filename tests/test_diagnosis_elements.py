@@ -40,7 +40,7 @@ from hystbench.diagnosis.emulator.generalised import (
 )
 from hystbench.diagnosis.emulator.kinds import FRICTION_TABLE, KINDS, SPRING_TABLE
 from hystbench.diagnosis.emulator.motion import Extent, Motion
-from hystbench.diagnosis.emulator.placing import Placing
+from hystbench.diagnosis.emulator.placing import Choices, Placing
 from hystbench.diagnosis.operators.memory import hyperbolic, plays
 from hystbench.diagnosis.recording.noise import rms
 from hystbench.diagnosis.recording.signals import Signals, differentiate
@@ -50,7 +50,7 @@ Floats = NDArray[np.float64]
 
 
 def recorded(joint: Joint, real: Joint | None = None) -> Signals:
-    time, x = motion(60.0, 0.0, 1.0, 2.0)
+    time, x = motion(45.0, 0.0, 1.0, 2.0)
     y = joint(time, x)
     noise = 0.002 * np.std(y) * np.random.default_rng(5).standard_normal(x.size)
     return Signals(time, x, (real or joint)(time, x) + noise, y, [slice(0, x.size)], {})
@@ -395,16 +395,16 @@ def test_rubber_along_a_spline_stays_where_a_clearance_holds_it(half: float) -> 
 def test_elements_that_share_sizes_are_not_placed_with_the_wrong_sign() -> None:
     signals = recorded(two_sliders)
     along, kind = motion_of(signals), KINDS["a few slip elements"]
-    extent = Extent(signals.reach, float(np.std(signals.speed)), INTERVAL, 60.0)
+    choices = Choices(Extent(signals.reach, float(np.std(signals.speed)), INTERVAL, 60.0), along)
     sizes = np.array([[0.05, 0.6, 0.4, 0.05, 1.0], [0.2, 0.6, 0.4, 0.05, 1.0], [0.5, 0.6, 0.4, 0.05, 1.0]])
     target = kind.columns(along, sizes) @ [3.0, 2.0, 1.0]
     beside, known = np.ones((target.size, 1)), np.ones(target.size, dtype=np.bool_)
     # Something else as well, or a few elements would do.
     other = 0.005 * np.std(target) * np.sin(40.0 * signals.x)
     for sign in (1.0, -1.0):
-        found = Placing(extent, along, target + other, known, sign).placed({"a few slip elements": kind}, beside)
+        found = Placing(choices, target + other, known, sign).placed({"a few slip elements": kind}, beside)
         assert len(found) == (sign > 0.0)
-    (found,) = Placing(extent, along, target, known, 1.0).placed({"a few slip elements": kind}, beside).values()
+    (found,) = Placing(choices, target, known, 1.0).placed({"a few slip elements": kind}, beside).values()
     assert found[:, 1:] == pytest.approx(np.tile(sizes[0, 1:], (len(found), 1)), rel=0.03)
     for place in sizes[:, 0]:
         assert np.min(np.abs(found[:, 0] / place - 1.0)) < 0.03

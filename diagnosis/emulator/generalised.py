@@ -22,6 +22,7 @@ from .growth import PLACED, RATES, STOPS, TABLED, Growth
 from .kind import ELASTIC, MEMORY
 from .kinds import KERNELS, KINDS, KINKS
 from .motion import DIFFERENCES, Extent, Motion
+from .placing import Choices
 from .selection import CLEARLY, places_of, solve, spread
 
 __all__ = ["Generalised", "motion_of", "predict_generalised", "relative_error", "spring_of", "strengthened"]
@@ -71,9 +72,12 @@ class Generalised:
         self.reach = max(float(np.max(np.abs(signals.x))), 1e-300)
         self.lengths = np.geomspace(0.01, 0.4, BRISTLES) * self.reach
         self.fast = max(float(np.std(signals.speed)), 1e-300)
+        self._choices: dict[tuple[bool, str], Choices] = {}
+        """Along the motion from where memory begins, by its derivatives; of use only until all is identified."""
         self._find_anywhere(anywhere, [name for name in KINDS if name != KERNELS])
         if self.error > TABLED:
             self._take_if_closer(lambda: self._find_kernels(anywhere), CLEARLY)
+        self._choices.clear()
 
     def _find_anywhere(self, anywhere: bool, placing: Collection[str]) -> None:
         """Identify all, with those in ``placing`` of the kinds that are moved, of a simulator whose memory may begin ``anywhere``."""
@@ -234,7 +238,7 @@ class Generalised:
 
     def _enlarged(self, placing: Collection[str]) -> tuple[int, dict[str, Floats]]:
         """How many stops, and the sizes of which further elements, are needed."""
-        signals, extent = self.signals, self._extent
+        signals = self.signals
         elastic, stops, placed = self._parts(_thresholds(self.reach, FINER))
         there = {ELASTIC: elastic, STOPS: stops, PLACED: placed, RATES: self._rates()}
         few = np.concatenate([np.arange(0, FINER, _spacing(FINER)), np.arange(FINER, stops.shape[1])])
@@ -242,7 +246,10 @@ class Generalised:
         if not signals.timed:
             # There is no telling at which speed anything gives way.
             kinds = {name: kind for name, kind in KINDS.items() if not (kind.timed or (kind.limits and kind.by_speed))}
-        growth = Growth(there, few, self.sign, kinds, extent, self.motion, signals.y_sim, self.known)
+        along = self.begun, self.derivatives
+        if along not in self._choices:
+            self._choices[along] = Choices(self._extent, self.motion)
+        growth = Growth(there, few, self.sign, kinds, self._choices[along], signals.y_sim, self.known)
         finer, further = growth.needed(placing)
         return FINER if finer else ELEMENTS, further
 

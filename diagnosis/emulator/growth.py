@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from .kind import ELASTIC, Kind
 from .kinds import FRICTION_TABLE, KINKS, SPRING_TABLE
-from .motion import Extent, Motion
-from .placing import Placing
+from .placing import Choices, Placing
 from .selection import CLEARLY, EXACT, WORTHWHILE, Selection, spread
 
 __all__ = ["PLACED", "RATES", "STOPS", "TABLED", "Growth"]
@@ -42,8 +41,8 @@ class Growth:
         That of the weights of all that has memory.
     kinds : mapping of str to Kind
         Kinds to choose from.
-    extent, motion
-        What a recording spans, and its input as these elements see it.
+    choices : Choices
+        Those of these kinds that are moved, along the input as these elements see it.
     target : array, shape (n,)
         What is to be emulated.
     known : array of bool, shape (n,)
@@ -56,19 +55,18 @@ class Growth:
         few: Places,
         sign: float,
         kinds: Mapping[str, Kind],
-        extent: Extent,
-        motion: Motion,
+        choices: Choices,
         target: Floats,
         known: NDArray[np.bool_],
     ) -> None:
         self._few, self._sign, self._kinds = few, sign, kinds
-        self._motion, self._target = motion, target
-        self._placing = Placing(extent, motion, target, known, sign)
+        self._motion, self._target = choices.motion, target
+        self._placing = Placing(choices, target, known, sign)
         self._beside = [there[ELASTIC], there[STOPS][:, few], there[RATES]]
         self._some = spread(known)
         self._there = {name: columns[self._some] for name, columns in there.items()}
         self._there[STOPS] = sign * self._there[STOPS]
-        self._sizes = {name: kind.sizes(extent) for name, kind in kinds.items() if kind.limits is None}
+        self._sizes = {name: kind.sizes(choices.extent) for name, kind in kinds.items() if kind.limits is None}
         self._grid = tuple(name for name in self._sizes if not kinds[name].table)
         self._made = self._sampled(self._grid)
 

@@ -14,7 +14,7 @@ from .kind import Kind
 from .motion import Extent, Motion
 from .selection import CLEARLY, EXACT, WORTHWHILE
 
-__all__ = ["Placing"]
+__all__ = ["Choices", "Placing"]
 
 Floats = NDArray[np.float64]
 MOST, MANY = 4, 8
@@ -44,20 +44,45 @@ RICH, POOR = 8, 0.01
 """From so many sizes on an element is looked for only where so much of the error is left."""
 
 
+class Choices:
+    """Those elements of each kind of which to choose some, along a ``motion`` of a recording that spans ``extent``.
+
+    They are the same whatever stands beside them, so that they are made once however often it is asked for elements.
+    """
+
+    def __init__(self, extent: Extent, motion: Motion) -> None:
+        self.extent, self.motion = extent, motion
+        self.rows = _rows(motion)
+        # What is not known is memory all the same.
+        self._thin = motion.at(self.rows)
+        self._made: dict[str, tuple[Floats, Floats]] = {}
+
+    def columns_of(self, kind: Kind) -> Callable[[Floats], Floats]:
+        """What makes elements of a kind from their sizes, on the ``rows`` by which they are placed."""
+        if kind.timed or kind.by_speed or kind.all_along:
+            return lambda sizes: kind.columns(self.motion, sizes)[self.rows]
+        # Most of what knows neither time nor speed needs only the turns of the motion.
+        return lambda sizes: kind.columns(self._thin, sizes)
+
+    def of(self, name: str, kind: Kind) -> tuple[Floats, Floats]:
+        """Sizes (k, m) of a kind and their columns (rows, k)."""
+        if name not in self._made:
+            assert kind.limits is not None
+            sizes = np.clip(kind.sizes(self.extent), *kind.limits(self.extent))
+            self._made[name] = sizes, self.columns_of(kind)(sizes)
+        return self._made[name]
+
+
 class Placing:
-    """Elements that emulate ``target`` (n,) where it is ``known`` best, of a recording that spans ``extent``, along its ``motion``.
+    """Elements that emulate ``target`` (n,) where it is ``known`` best, of those that may be chosen and moved.
 
     The weights of those that must have one sign have that of ``sign``.
     """
 
-    def __init__(self, extent: Extent, motion: Motion, target: Floats, known: NDArray[np.bool_], sign: float) -> None:
-        self._extent, self._motion, self._target, self._sign = extent, motion, target, sign
-        rows = _rows(motion)
-        # What is not known is memory all the same.
-        self._thin, self._kept = motion.at(rows), known[rows]
-        self._rows = rows[self._kept]
-        self._choices: dict[str, tuple[Floats, Floats]] = {}
-        """Sizes and columns of those to choose from of each kind, which stay the same beside others."""
+    def __init__(self, choices: Choices, target: Floats, known: NDArray[np.bool_], sign: float) -> None:
+        self._choices, self._target, self._sign = choices, target, sign
+        self._kept = known[choices.rows]
+        self._rows = choices.rows[self._kept]
 
     def placed(self, kinds: Mapping[str, Kind], beside: Floats, enough: float = EXACT) -> dict[str, Floats]:
         """Elements of each of these kinds that do so beside free columns (n, any), until that is ``enough``.
@@ -81,15 +106,13 @@ class Placing:
         goal = beyond(self._target[rows, None])[:, 0] / size
 
         def maker_of(name: str, kind: Kind, wanted: float) -> _Maker:
-            made = self._columns_of(kind)
+            made = self._choices.columns_of(kind)
             assert kind.limits is not None
-            limits = kind.limits(self._extent)
-            if name not in self._choices:
-                sizes = np.clip(kind.sizes(self._extent), *limits)
-                self._choices[name] = sizes, made(sizes)
-            sizes, columns = self._choices[name]
+            limits = kind.limits(self._choices.extent)
+            sizes, columns = self._choices.of(name, kind)
             sign = self._sign if kind.one_sign else 0.0
-            return _Maker(kind, limits, (sizes, beyond(columns)), lambda sizes: beyond(made(sizes)), goal, sign, wanted)
+            tried = sizes, beyond(columns[self._kept])
+            return _Maker(kind, limits, tried, lambda sizes: beyond(made(sizes)[self._kept]), goal, sign, wanted)
 
         better: dict[str, Floats] = {}
         useless: set[str] = set()
@@ -107,13 +130,6 @@ class Placing:
             elif error < wanted:
                 better[name], least = sizes, error
         return better
-
-    def _columns_of(self, kind: Kind) -> Callable[[Floats], Floats]:
-        """What makes elements of a kind from their sizes, on the samples by which they are placed."""
-        if kind.timed or kind.by_speed or kind.all_along:
-            return lambda sizes: kind.columns(self._motion, sizes)[self._rows]
-        # Most of what knows neither time nor speed needs only the turns of the motion.
-        return lambda sizes: kind.columns(self._thin, sizes)[self._kept]
 
 
 def _rows(motion: Motion) -> NDArray[np.intp]:
