@@ -9,10 +9,11 @@ from hardening_joint import relaxing_branch, rich_motion, signals_of, spring
 from joints import dahl, sliders
 from motions import swelling
 from numpy.typing import NDArray
-from simulators import rigid_body
+from simulators import motion, rigid_body
 
 from hystbench.diagnosis.blind.cases import DEVELOPMENT_PLANTS
 from hystbench.diagnosis.diagnosis import diagnose
+from hystbench.diagnosis.verdict.strain import is_strained
 
 Floats = NDArray[np.float64]
 GAINS = [{"torque_gain"}, {"torque_gain", "miscalibration"}]
@@ -45,6 +46,23 @@ def test_a_factor_beyond_what_parameters_off_by_a_few_per_cent_make_is_a_gain(
     assert set(found.verdict) in verdicts
     if factor == 1.0:
         assert found.ambiguous == []
+
+
+def test_elements_that_stand_in_for_others_may_be_off_by_more_than_those() -> None:
+    # Neighbouring sliders of the emulator make up for each other, so that some are off by far more than the simulator's own.
+    time, x = motion(45.0, 0.0, 1.0, 2.0)
+
+    def joint(e: float) -> Floats:
+        """A spring that is soft about zero, as in gears with lost motion, beside nine sliders."""
+        yields = np.geomspace(0.03, 0.7, 9)
+        elements = [(14.0 * (1.0 - e) * np.exp(-k / 3.0), length * (1.0 + 2.0 * e)) for k, length in enumerate(yields)]
+        return 20.0 * (1.0 - e) * (x - 0.04 * np.tanh(x / 0.05)) + sliders(x, elements)
+
+    real, simulated = joint(-0.045), joint(0.0)
+    noise_level = float(np.std(real - simulated)) / 8.0
+    found = diagnose(signals_of(time, x, real, simulated, 3, noise_level))
+    assert is_strained(found.evidence)
+    assert found.verdict == ["miscalibration"]
 
 
 def test_exponents_that_are_off_make_no_gain() -> None:

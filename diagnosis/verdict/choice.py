@@ -234,7 +234,7 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         likely |= {id(h): h.score + prior(evidence, h, size) for h in ranked if id(h) not in likely}
         ranked.sort(key=lambda h: -likely[id(h)])
     scores = np.array([likely[id(h)] for h in ranked])
-    field = _Field(evidence, found, ranked, scores, energy, errors.are_strained, is_own)
+    field = _Field(evidence, found, ranked, scores, energy, errors.are_beyond_belief, is_own)
     choice = _stated(field, best, own, refit)
     doubtful = choice.verdict == [UNKNOWN] and evidence.is_beside_refit(best)
     return _rather_one(field, best, choice, size) if doubtful else choice

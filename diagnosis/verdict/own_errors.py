@@ -17,7 +17,7 @@ from ..hypotheses.search import NOTHING
 from ..recording.noise import rms
 from .parsimony import beside_exact, in_place_of
 from .priors import BESIDE_OFF, IDLE, STANDS_IN, prior
-from .strain import is_strained, largest_error
+from .strain import is_beyond_belief, is_strained, largest_error
 
 __all__ = ["OwnErrors", "needs_largest", "rather_errors", "rather_off", "rather_two", "usual"]
 
@@ -122,8 +122,13 @@ class OwnErrors:
 
     @cached_property
     def are_strained(self) -> bool:
-        """Whether those that make the gap by themselves are beyond belief."""
+        """Whether those that make the gap by themselves are so large that an effect is likelier."""
         return not self.evidence.fitted and is_strained(self.evidence)
+
+    @cached_property
+    def are_beyond_belief(self) -> bool:
+        """Whether they are no explanation."""
+        return not self.evidence.fitted and is_beyond_belief(self.evidence)
 
     def is_needed(self, hypothesis: Hypothesis) -> bool:
         """Whether an effect does so much better than the errors alone that it must be there beside them."""
