@@ -395,7 +395,7 @@ def test_rubber_along_a_spline_stays_where_a_clearance_holds_it(half: float) -> 
 def test_elements_that_share_sizes_are_not_placed_with_the_wrong_sign() -> None:
     signals = recorded(two_sliders)
     along, kind = motion_of(signals), KINDS["a few slip elements"]
-    choices = Choices(Extent(signals.reach, float(np.std(signals.speed)), INTERVAL, 60.0), along)
+    choices = Choices(Extent(signals.reach, float(np.std(signals.speed)), INTERVAL, 45.0), along)
     sizes = np.array([[0.05, 0.6, 0.4, 0.05, 1.0], [0.2, 0.6, 0.4, 0.05, 1.0], [0.5, 0.6, 0.4, 0.05, 1.0]])
     target = kind.columns(along, sizes) @ [3.0, 2.0, 1.0]
     beside, known = np.ones((target.size, 1)), np.ones(target.size, dtype=np.bool_)

@@ -64,11 +64,15 @@ class Choices:
         # Most of what knows neither time nor speed needs only the turns of the motion.
         return lambda sizes: kind.columns(self._thin, sizes)
 
+    def limits_of(self, kind: Kind) -> Floats:
+        """Between which sizes elements of a kind may be moved, shape (2, m)."""
+        assert kind.limits is not None
+        return kind.limits(self.extent)
+
     def of(self, name: str, kind: Kind) -> tuple[Floats, Floats]:
         """Sizes (k, m) of a kind and their columns (rows, k)."""
         if name not in self._made:
-            assert kind.limits is not None
-            sizes = np.clip(kind.sizes(self.extent), *kind.limits(self.extent))
+            sizes = np.clip(kind.sizes(self.extent), *self.limits_of(kind))
             self._made[name] = sizes, self.columns_of(kind)(sizes)
         return self._made[name]
 
@@ -106,9 +110,7 @@ class Placing:
         goal = beyond(self._target[rows, None])[:, 0] / size
 
         def maker_of(name: str, kind: Kind, wanted: float) -> _Maker:
-            made = self._choices.columns_of(kind)
-            assert kind.limits is not None
-            limits = kind.limits(self._choices.extent)
+            made, limits = self._choices.columns_of(kind), self._choices.limits_of(kind)
             sizes, columns = self._choices.of(name, kind)
             sign = self._sign if kind.one_sign else 0.0
             tried = sizes, beyond(columns[self._kept])

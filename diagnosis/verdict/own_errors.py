@@ -128,7 +128,7 @@ class OwnErrors:
     @cached_property
     def are_beyond_belief(self) -> bool:
         """Whether they are no explanation."""
-        return not self.evidence.fitted and is_beyond_belief(self.evidence)
+        return self.are_strained and is_beyond_belief(self.evidence)
 
     def is_needed(self, hypothesis: Hypothesis) -> bool:
         """Whether an effect does so much better than the errors alone that it must be there beside them."""
