@@ -226,6 +226,7 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
         "torque_saturation", lambda: spring(X) - 0.75 * (spring(X) - np.clip(spring(X), -3.0, 3.0)) + friction(X)
     ),
     "a motor that runs out of voltage": ("torque_saturation", lambda: voltage_limit(joint(X), 3.2, 1.6 * float(np.max(np.abs(SPEED))))),
+    "a sensor's zero that takes a while to settle": ("torque_offset", lambda: joint(X) + 0.3 * (1.0 - 0.35 * np.exp(-TIME / (0.16 * TIME[-1])))),
     "day and night": ("thermal_drift", lambda: joint(X) + 0.15 * np.sin(2.0 * np.pi * TIME / 21.0 + 1.0)),
     "an encoder ring on the spring's shaft": (
         "encoder_eccentricity", lambda: spring(X + 0.03 * np.sin(9.0 * X + 0.2)) + friction(X)
