@@ -220,7 +220,7 @@ class ChoiBacklash(HysteresisModel):
                         raise
                     break
                 slopes = self._fit_slopes(curves, runs, settled)
-                predicted, on_curve = self._simulate(curves, slopes, runs)
+                predicted, on_curve = self._simulate(_table(curves, stroke), stroke, slopes, runs)
                 error = float(np.mean((predicted - y)[settled] ** 2))
                 if best is None or error < best[0]:
                     best = (error, {**curves, "slope_pos": slopes[0], "slope_neg": slopes[1]})
@@ -265,6 +265,7 @@ class ChoiBacklash(HysteresisModel):
         y = np.concatenate([run.y for run in runs])
         least = [_steepest(curves, side) for side in ("pos", "neg")]
         slopes = [2.0 * value for value in least]
+        table = _table(curves, curves["stroke"])
         for _ in range(2):
             for side, inside in enumerate((x >= 0.0, x < 0.0)):
                 counted = inside & settled
@@ -274,7 +275,7 @@ class ChoiBacklash(HysteresisModel):
                 def error(logarithm: float, side: int = side, counted: NDArray[np.bool_] = counted) -> float:
                     trial = list(slopes)
                     trial[side] = least[side] * float(np.exp(logarithm))
-                    return float(np.mean((self._simulate(curves, trial, runs)[0] - y)[counted] ** 2))
+                    return float(np.mean((self._simulate(table, curves["stroke"], trial, runs)[0] - y)[counted] ** 2))
 
                 grid = np.linspace(1e-3, np.log(STEEPEST), 16)
                 k = int(np.argmin([error(v) for v in grid]))
@@ -284,8 +285,8 @@ class ChoiBacklash(HysteresisModel):
         return slopes
 
     @staticmethod
-    def _simulate(curves: dict[str, Any], slopes: Sequence[float], runs: Sequence[Run]) -> tuple[Floats, Floats]:
-        params = _kernel_parameters(curves, slopes, curves["stroke"])
+    def _simulate(table: Floats, stroke: Floats, slopes: Sequence[float], runs: Sequence[Run]) -> tuple[Floats, Floats]:
+        params = _kernel_parameters(table, slopes, stroke)
         outputs, states = [], []
         for run in runs:
             y, on_curve = np.empty_like(run.x), np.empty_like(run.x)
@@ -323,7 +324,7 @@ class ChoiBacklash(HysteresisModel):
     def _prepare(self) -> None:
         p = self.parameters_
         stroke = np.array([-np.inf, np.inf]) if p["stroke"] is None else p["stroke"]
-        self._params = _kernel_parameters(p, (p["slope_pos"], p["slope_neg"]), stroke)
+        self._params = _kernel_parameters(_table(p, stroke), (p["slope_pos"], p["slope_neg"]), stroke)
 
     def _check_conditions(self) -> list[Condition]:
         p = self.parameters_
@@ -388,8 +389,8 @@ class ChoiBacklash(HysteresisModel):
         )
 
 
-def _kernel_parameters(curves: dict[str, Any], slopes: Sequence[float], stroke: Floats) -> tuple[Any, ...]:
-    """The polynomials as rows of one table in the order of ``CURVES``, the transition slopes, the stroke.
+def _table(curves: dict[str, Any], stroke: Floats) -> Floats:
+    """The polynomials as rows of one table in the order of ``CURVES``.
 
     Beyond the stroke, where a polynomial would explode, a curve continues with its end slope: four rows for each end.
     """
@@ -401,6 +402,11 @@ def _kernel_parameters(curves: dict[str, Any], slopes: Sequence[float], stroke: 
             if np.isfinite(end):
                 table[row + beyond, 1] = slope = polynomial.deriv()(end)
                 table[row + beyond, 0] = polynomial(end) - slope * end
+    return table
+
+
+def _kernel_parameters(table: Floats, slopes: Sequence[float], stroke: Floats) -> tuple[Any, ...]:
+    """The table of the polynomials, the transition slopes, the stroke."""
     return table, (float(slopes[0]), float(slopes[1])), (float(stroke[0]), float(stroke[1]))
 
 
