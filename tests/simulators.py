@@ -493,6 +493,37 @@ def pneumatic_muscle(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     )
 
 
+def slid(x: Floats, length: float, exponent: float) -> Floats:
+    """Friction by Dahl over its limit, in small steps."""
+    z, out = 0.0, np.zeros(x.size)
+    for i in range(1, x.size):
+        step = (x[i] - x[i - 1]) / 40
+        for _ in range(40):
+            z += step / length * max(1.0 - z * np.sign(step), 0.0) ** exponent
+        out[i] = z
+    return out
+
+
+def strain_wave_gear(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """A stiffness for each of three ranges, as its catalogue tells them, and friction that yields gradually."""
+    places = np.array([0.0, 0.25 * (1.0 + e), 0.6 * (1.0 - e), 2.0])
+    torques = np.concatenate([[0.0], np.cumsum(np.array([3.0 * (1.0 - e), 5.0, 8.0 * (1.0 + e)]) * np.diff(places))])
+    return np.sign(x) * np.interp(np.abs(x), places, torques) + 1.2 * (1.0 + e) * slid(x, 0.07 * (1.0 - e), 1.5)
+
+
+def antagonists(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Two tendons of a stiffness that grows with their tension, each over a capstan."""
+    wrap = 0.5 * (1.0 + e) * slid(x, 0.06 * (1.0 - e), 1.0)
+    above, below = (np.exp(side * (1.3 * (1.0 - e) * x + wrap)) for side in (1.0, -1.0))
+    return 2.0 * (1.0 + e) * (above - below)
+
+
+def progressive(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """A spring that hardens by a power of the deflection."""
+    spring = x + 6.0 * (1.0 + e) * np.sign(x) * np.abs(x) ** (2.4 * (1.0 - e))
+    return spring + 0.8 * (1.0 - e) * slid(x, 0.05 * (1.0 + e), 0.7)
+
+
 JOINTS: dict[str, tuple[Joint, float]] = {
     "kinked": (kinked, 0.005),
     "two sliders": (two_sliders, 0.002),
@@ -539,5 +570,8 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "flowing gel": (flowing_gel, 0.001),
     "breaking away": (breaking_away, 0.002),
     "leaking drive": (leaking_drive, 0.003),
+    "strain wave gear": (strain_wave_gear, 0.001),
+    "antagonists": (antagonists, 0.001),
+    "progressive": (progressive, 0.002),
 }
 """With the error, as a share of the output, that the emulator may make over a motion that it never saw."""

@@ -24,6 +24,7 @@ from simulators import (
     metal,
     motion,
     rubber,
+    strain_wave_gear,
     two_sliders,
 )
 
@@ -256,14 +257,27 @@ def dahl(time: Floats, x: Floats) -> Floats:
     return 3.0 * x - 0.8 * x**3 + out
 
 
-def test_simulator_of_a_registered_kind_is_emulated_as_such_and_a_shifted_run_shows_in_its_friction() -> None:
-    signals = recorded(dahl, lambda time, x: dahl(time, x + 0.05))
+def duhem(time: Floats, x: Floats) -> Floats:
+    """Friction that relaxes towards a curve over the way, and builds up the faster the farther off the middle."""
+    torque, before, out = 0.0, 0.0, np.zeros(x.size)
+    for i, now in enumerate(x):
+        step = (now - before) / 40
+        for k in range(40):
+            at = before + (k + 0.5) * step
+            torque += 6.0 * abs(step) * (4.0 * at - 1.5 * at**3 - torque) + step * (5.0 + 0.9 * at**2)
+        before, out[i] = now, torque
+    return out
+
+
+@pytest.mark.parametrize(("joint", "name"), [(duhem, "duhem"), (dahl, "a few Dahl sliders")])
+def test_a_simulator_is_emulated_as_what_it_is_and_a_shifted_run_shows_in_its_friction(joint: Joint, name: str) -> None:
+    signals = recorded(joint, lambda time, x: joint(time, x + 0.05))
     emulator = emulate(signals, None)
-    assert emulator.name == "dahl"
+    assert emulator.name.removeprefix("generalised Prandtl-Ishlinskii with ") == name
     assert emulator.error < 0.002
     # From home to where it really is friction builds up before the first sample.
     change = emulator.predict(signals.x + 0.05) - emulator.predict(signals.x)
-    wanted = dahl(signals.time, signals.x + 0.05) - signals.y_sim
+    wanted = joint(signals.time, signals.x + 0.05) - signals.y_sim
     assert wanted[0] > 5.0 * np.std(wanted[-1000:])
     assert np.max(np.abs(change - wanted)) < 0.05 * np.max(np.abs(wanted))
     assert diagnose(signals).verdict == ["deflection_offset"]
@@ -274,6 +288,14 @@ def test_sharp_sliders_are_found_where_they_yield_and_know_nothing_of_time() -> 
     # A mass with a very stiff spring would do as well, and would let a refit imitate damping.
     assert list(found) == ["a few sharp sliders"]
     assert sorted(found["a few sharp sliders"]["sizes"][:, 0]) == pytest.approx([0.75 / 12.5, 0.75 / 5.8], rel=0.01)
+
+
+def test_what_is_placed_one_after_the_other_is_moved_together_to_where_it_is() -> None:
+    """Two corners of a spring are not seen beside stops that stand in for friction, nor friction beside a spring without them."""
+    found = Generalised(recorded(strain_wave_gear)).further
+    assert found["a few Dahl sliders"]["sizes"] == pytest.approx(np.array([[0.07, 1.5]]), rel=0.01)
+    for place in (0.25, 0.6):
+        assert np.min(np.abs(found["a few corners"]["sizes"][:, 0] / place - 1.0)) < 0.005
 
 
 @pytest.mark.parametrize("rate", [0.25, 0.5])
@@ -329,7 +351,7 @@ def test_what_is_held_is_all_but_damping_mass_and_friction_by_speed() -> None:
 
 def test_kinks_belong_to_the_spring_and_are_no_preload() -> None:
     emulator = emulate(recorded(kinked), None)
-    assert "kinks" in emulator.name
+    assert "a few corners" in emulator.name
     x = np.array([-0.8, -0.3, 0.0, 0.3, 0.8])
     # Sliders that hardly ever slide may pass for springs and the other way round, but a kink is one of the spring.
     bent = np.diff(spring_of(emulator.split, x))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,8 @@ ROUNDS = 2
 """Kinds of elements with sizes to move that are taken in one after the other, at most."""
 TABLED = 0.003
 """Error, as a share of the output, from which tables are tried, and what else follows much that is a law."""
+FOLLOWED = 0.001
+"""Error, as a share of the output, from which what was placed is moved together."""
 WELL_EMULATED = 0.002
 """Error, as a share of the output, from which further kinds are looked for that may need to be there together."""
 
@@ -108,10 +110,67 @@ class Growth:
             refused = set() if new else set(more).difference(needed)
             if not new and not refused:
                 break
+        if error > FOLLOWED:
+            chosen, error = self._settled(chosen, error, needed, movable)
+            needed = [name for name in chosen if name in movable]
         if error > TABLED and FRICTION_TABLE in placing:
             chosen = self._looked_up(chosen, error, needed)
         finer = chosen[STOPS].size > self._few.size
         return finer, {name: self._sizes[name][at] for name, at in chosen.items() if name in self._sizes}
+
+    def _settled(
+        self, chosen: dict[str, Places], error: float, needed: Sequence[str], movable: Mapping[str, Kind]
+    ) -> tuple[dict[str, Places], float]:
+        """The same with all that is placed moved together: each was placed beside what others then only stood in for."""
+        best = chosen, error
+        for these, beside in self._alternatives(chosen, needed, movable):
+            before = self._sizes, self._made
+            self._sizes, self._made = dict(self._sizes), dict(self._made)
+            self._take_up(self._placing.settled(self._kinds, these, np.hstack(beside)))
+            growing = [STOPS, *(name for name in self._grid if name != KINKS or set(these) == set(needed))]
+            settled, left = self._chosen(growing, list(these), list(these))
+            if left < WORTHWHILE * best[1]:
+                best = settled, left
+            else:
+                self._sizes, self._made = before
+            if best[1] < FOLLOWED:
+                break
+        return best
+
+    def _alternatives(
+        self, chosen: dict[str, Places], needed: Sequence[str], movable: Mapping[str, Kind]
+    ) -> Iterator[tuple[dict[str, Floats], list[Floats]]]:
+        """Elements by their kind, and the columns beside them, from which what was placed may be moved together."""
+        springs = {name: kind for name, kind in movable.items() if kind.part == ELASTIC}
+        placed = {name: self._sizes[name][chosen[name]] for name in needed}
+        # Many of one kind were moved together already.
+        rubbing = {name: sizes for name, sizes in placed.items() if name not in springs and not movable[name].many}
+        grid = [name for name in self._grid if name in chosen and chosen[name].size]
+        # Stops stand in for sliders that are not there yet; where all are, they only blur where these are.
+        bare = self._beside[::2]
+        for simple in (self._beside, bare) if rubbing else ():
+            columns = {name: self._columns(name, chosen[name]) for name in grid}
+            yield placed, [*simple, *columns.values()]
+            columns.pop(KINKS, None)
+            others = [*simple, *columns.values()]
+            more = self._best_of(springs, [*others, *self._along(rubbing)])
+            if more:
+                yield rubbing | more, others
+        # And beside stops that follow nearly all of it a slider that follows all is not found.
+        for name, kind in movable.items():
+            if kind.alone:
+                first = self._placing.placed({name: kind}, np.hstack(bare))
+                if first:
+                    yield first | self._best_of(springs, [*bare, *self._along(first)]), bare
+
+    def _best_of(self, kinds: Mapping[str, Kind], beside: Sequence[Floats]) -> dict[str, Floats]:
+        """Sizes of that one of these kinds that emulates best beside these columns, if any helps."""
+        found = self._placing.placed(kinds, np.hstack(beside))
+        return dict(list(found.items())[-1:])
+
+    def _along(self, placed: Mapping[str, Floats]) -> list[Floats]:
+        """Columns of elements by their kind, shapes (n, any)."""
+        return [self._kinds[name].columns(self._motion, sizes) for name, sizes in placed.items()]
 
     def _looked_up(self, chosen: dict[str, Places], error: float, needed: Sequence[str]) -> dict[str, Places]:
         """The same with a spring from a table, and friction from one, in place of kinks, where that is clearly better."""

@@ -64,6 +64,10 @@ class Kind:
         Whether, where there is one, those to choose from help much before they are moved, with the sign that they must have.
     many : bool
         Whether all are begun at once, those to choose from that help most together: each of many helps little.
+    alone : bool
+        Whether its elements may be all the friction there is: they are also looked for where no stops stand in for them.
+    pairs : bool
+        Whether they are also begun two at a time.
     starts : int
         At how many of those to choose from each is begun: what swings is easily begun beside its place.
     """
@@ -88,6 +92,8 @@ class Kind:
     evident: bool = False
     table: Sequence[int] = ()
     many: bool = False
+    alone: bool = False
+    pairs: bool = False
     starts: int = 2
 
     def torque(self, motion: Motion, sizes: Floats, weights: Floats) -> Floats:

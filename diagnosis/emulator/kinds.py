@@ -14,6 +14,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from ...models.dahl import friction
 from ..operators.masses import held_by_load, sliding
 from ..operators.memory import dashed, hardening, held_inside, leaky, orifice, pressed
 from ..operators.smooth_loops import pinched, smooth
@@ -27,6 +28,8 @@ from .single_elements import (
     breaking_away,
     by_speed,
     by_speed_and_side,
+    capstan,
+    corner,
     curved,
     curved_together,
     damping,
@@ -173,9 +176,6 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         signed=(0,),
         table=(0, 1),
     ),
-    # Detents, motors with poles and slots, teeth in mesh.
-    "a few ripples": _ripples(0),
-    "a few ripples of the stiffness": _ripples(1),
     # Springs with a preload.
     "a few preloads": Kind(
         ELASTIC, False,
@@ -185,6 +185,19 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         limits=lambda extent: extent.reach * np.array([[-1.0, 0.003], [1.0, 0.5]]),
         signed=(0,),
     ),
+    # Gears whose catalogue tells a stiffness for each range of the torque, springs in stages.
+    "a few corners": Kind(
+        ELASTIC, False,
+        lambda extent: extent.reach * with_each(np.linspace(0.06, 0.94, 23), (0.01,), (0.04,)),
+        by_row(corner),
+        {0: (0.0, np.inf), 1: (0.0, np.inf)},
+        limits=lambda extent: extent.reach * np.array([[0.02, 0.001], [1.0, 0.06]]),
+        # One between two corners follows both a little, and leads to neither.
+        pairs=True,
+    ),
+    # Detents, motors with poles and slots, teeth in mesh.
+    "a few ripples": _ripples(0),
+    "a few ripples of the stiffness": _ripples(1),
     # Rubber: the friction of Berg (Vehicle System Dynamics 30, 1998).
     "rubber": _rubber(rubber),
     "rubber along a spline": _rubber(rubber_splined),
@@ -238,6 +251,28 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         timeless(smooth),
         {1: (0.0, np.inf)},
         limits=lambda extent: np.array([[0.004 * extent.reach, 1.0, 0.3], [3.0 * extent.reach, 8.0, 3.0]]),
+        alone=True,
+    ),
+    # Dahl (Aerospace Corporation TOR-158, 1968), whose exponent tells how sharply a slider yields.
+    "a few Dahl sliders": Kind(
+        MEMORY, True,
+        lambda extent: with_each(extent.reach * np.geomspace(0.006, 0.6, 8), (0.4,), (1.0,), (1.8,)),
+        timeless(lambda x, length, exponent: length * friction(x, length=length, exponent=exponent)),
+        {1: (0.0, np.inf)},
+        limits=lambda extent: np.array([[0.002 * extent.reach, 0.02], [3.0 * extent.reach, 3.0]]),
+        alone=True,
+    ),
+    # Tendons and Bowden cables: Kaneko et al. (IEEE ICRA 1991), with a bristle where they turn round.
+    "a few capstans": Kind(
+        MEMORY, True,
+        lambda extent: extent.capstan * with_each(
+            np.geomspace(0.01, 0.3, 5), *itertools.product((1.0,), (-0.8, -0.2, 0.2, 0.8), (-1.5, -0.5, 0.5, 1.5))
+        ),
+        by_row(capstan),
+        {1: (0.0, np.inf)},
+        limits=lambda extent: extent.capstan * [[0.002, 0.02, -2.0, -4.0], [1.0, 3.0, 2.0, 4.0]],
+        signed=(2, 3),
+        shared=(0, 1),
     ),
     # Friction that the spring's load presses, as in gears, belts and cams.
     "a few sliders pressed by the load": Kind(

@@ -170,6 +170,11 @@ class Extent:
         return np.array([self.reach, 1.0 / self.reach, 1.0 / self.reach**2])
 
     @property
+    def capstan(self) -> Floats:
+        """The same of friction of a tendon: rad, 1, 1, 1/rad; shape (4,)."""
+        return np.array([self.reach, 1.0, 1.0, 1.0 / self.reach])
+
+    @property
     def stopped(self) -> Floats:
         """The same of one between stops: and rad, 1, rad/s, 1; shape (11,)."""
         return np.array([*self.body, self.reach, 1.0, 1.0 / self.interval, 1.0])

@@ -13,6 +13,7 @@ from ..nonlinear import least
 from .kind import Kind
 from .motion import Extent, Motion
 from .selection import CLEARLY, EXACT, WORTHWHILE
+from .together import MORE, WIDE, Scale, Together
 
 __all__ = ["Choices", "Placing"]
 
@@ -23,13 +24,10 @@ NODES = 32
 """Nodes of a table of which columns are kept."""
 ALIKE = 0.8
 """Correlation of two elements from which both would lead to the same."""
-STEPS, MORE = (10, 3e-3), (30, 1e-4)
-"""Steps of the optimiser for each element that is added, and the share by which the last must still make the sum of squares smaller;
-the same once all are there."""
+STEPS = 10, 3e-3
+"""Steps of the optimiser for each element that is added, and the share by which the last must still make the sum of squares smaller."""
 ROWS = 1400
 """Samples that are enough to place elements by."""
-WIDE = 2e-3
-"""Step along a size's logarithm for its slope: wide enough to see past the corners where a slider gives way."""
 RIDGE = 1e-8
 """Strength of the ridge on the columns beside them."""
 HOPELESS, COSTLY, HIDDEN = 0.97, 0.95, 0.9
@@ -94,20 +92,8 @@ class Placing:
         Returns their sizes (k, m) by the kind's name, those with fewer sizes first. Those that are not clearly better than a
         kind before them are left out, and those that are asked last where they are no better.
         """
-        rows = self._rows
-        others = beside[rows] / np.maximum(np.std(beside[rows], axis=0), 1e-300)
-        ridge = np.sqrt(RIDGE * len(others)) * np.eye(others.shape[1])
-        basis = np.linalg.qr(np.vstack([others, ridge]))[0]
-        seen = np.ascontiguousarray(basis[: len(others)].T)
-
-        def beyond(columns: Floats) -> Floats:
-            """What of some columns (rows, any) the others cannot make."""
-            left = basis @ (seen @ -columns)
-            left[: len(columns)] += columns
-            return np.asarray(left)
-
-        size = max(float(np.std(self._target)), 1e-300) * np.sqrt(len(others))
-        goal = beyond(self._target[rows, None])[:, 0] / size
+        beyond = self._beyond(beside)
+        goal = self._goal(beyond)
 
         def maker_of(name: str, kind: Kind, wanted: float) -> _Maker:
             made, limits = self._choices.columns_of(kind), self._choices.limits_of(kind)
@@ -132,6 +118,37 @@ class Placing:
             elif error < wanted:
                 better[name], least = sizes, error
         return better
+
+    def settled(self, kinds: Mapping[str, Kind], placed: Mapping[str, Floats], beside: Floats) -> dict[str, Floats]:
+        """Elements of several kinds, ``placed`` one kind beside another, with all their sizes (k, m) moved together."""
+        beyond = self._beyond(beside)
+        together = Together(
+            {name: Scale(kinds[name], self._choices.limits_of(kinds[name])) for name in placed},
+            {name: self._choices.columns_of(kinds[name]) for name in placed},
+            lambda columns: beyond(columns[self._kept]),
+            self._goal(beyond),
+        )
+        return together.moved(placed)
+
+    def _beyond(self, beside: Floats) -> Callable[[Floats], Floats]:
+        """What of some columns (rows, any) those ``beside`` (n, any) cannot make."""
+        rows = self._rows
+        others = beside[rows] / np.maximum(np.std(beside[rows], axis=0), 1e-300)
+        ridge = np.sqrt(RIDGE * len(others)) * np.eye(others.shape[1])
+        basis = np.linalg.qr(np.vstack([others, ridge]))[0]
+        seen = np.ascontiguousarray(basis[: len(others)].T)
+
+        def beyond(columns: Floats) -> Floats:
+            left = basis @ (seen @ -columns)
+            left[: len(columns)] += columns
+            return np.asarray(left)
+
+        return beyond
+
+    def _goal(self, beyond: Callable[[Floats], Floats]) -> Floats:
+        """What is to be emulated beside them, over the size of all."""
+        size = max(float(np.std(self._target)), 1e-300) * np.sqrt(self._rows.size)
+        return beyond(self._target[self._rows, None])[:, 0] / size
 
 
 def _rows(motion: Motion) -> NDArray[np.intp]:
@@ -162,16 +179,16 @@ class _Maker:
         sign: float,
         wanted: float,
     ) -> None:
-        self._signed, self._unit = np.isin(np.arange(kind.width), kind.signed), limits[1]
-        self._low, self._high = self._logs(limits)
+        self._scale = Scale(kind, limits)
+        self._low, self._high = self._scale.ends
         self._first = ~np.isin(np.arange(self._low.size), kind.later)
         self._moves = ~np.isin(np.arange(self._low.size), kind.table)
         self._shared, self._is_table, self._many = list(kind.shared), bool(kind.table), kind.many
         self._most = MANY if kind.shared else MOST
-        self._evident, self._tries = kind.evident, kind.starts
+        self._evident, self._tries, self._pairs = kind.evident, kind.starts, kind.pairs
         self._hopeless_at_first = HIDDEN if kind.evident else COSTLY if kind.timed else HOPELESS
         self._worthwhile = EVIDENTLY if kind.evident else WORTHWHILE
-        self._starts, self._tried = self._logs(choices[0]), choices[1]
+        self._starts, self._tried = self._scale.logs(choices[0]), choices[1]
         self._goal = goal
         self._sign = sign
         self._wanted = wanted
@@ -210,6 +227,9 @@ class _Maker:
             if begun.size:
                 together = self._grown(*self._moved(begun, STEPS, self._first))
                 logs, error = min((logs, error), together, key=lambda found: found[1])
+        if self._pairs and error > EXACT:
+            together = self._grown(*self._moved(self._best_pair(), STEPS, self._first))
+            logs, error = min((logs, error), together, key=lambda found: found[1])
         if logs.size and error > EXACT:
             logs, error = self._moved(logs, MORE, self._moves)
         return self._of_one_sign(logs, error) if logs.size and self._sign else (self._sizes(logs), error)
@@ -269,12 +289,7 @@ class _Maker:
         return sorted(ways, key=lambda each: each[0])
 
     def _sizes(self, logs: Floats) -> Floats:
-        rows = logs.reshape(-1, self._unit.size)
-        return np.where(self._signed, rows * self._unit, np.exp(rows))
-
-    def _logs(self, sizes: Floats) -> Floats:
-        """Logarithms of sizes (k, m); of those that have a sign their shares of the largest."""
-        return np.where(self._signed, sizes / self._unit, np.log(np.where(self._signed, 1.0, sizes)))
+        return self._scale.sizes(logs.reshape(-1, self._low.size))
 
     def _of_one_sign(self, logs: Floats, error: float) -> tuple[Floats, float]:
         """Those elements whose weights have the sign that they must have, and the error that they leave."""
@@ -346,6 +361,17 @@ class _Maker:
             return logs, error
         found = [self._moved(self._begun(logs, at), STEPS, self._first) for at in _unlike(beyond, gain, self._tries)]
         return min(found, key=lambda each: each[1])
+
+    def _best_pair(self) -> Floats:
+        """Those two to choose from that help most together: logarithms of sizes (any,)."""
+        unit = self._tried / np.maximum(np.linalg.norm(self._tried, axis=0), 1e-300)
+        along, alike = self._goal @ unit, unit.T @ unit
+        # What each pair takes of the goal, by the inverse of their products.
+        first, second = np.triu_indices(along.size, 1)
+        between = np.where(np.abs(alike) < ALIKE, alike, np.nan)[first, second]
+        gain = np.square(along[first]) + np.square(along[second]) - 2.0 * between * along[first] * along[second]
+        best = int(np.nanargmax(gain / (1.0 - np.square(between))))
+        return np.asarray(self._starts[[first[best], second[best]]].ravel())
 
     def _begun(self, logs: Floats, at: int) -> Floats:
         """Those elements and one more to choose from, which shares what they share."""

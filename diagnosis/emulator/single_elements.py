@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import expit
 
+from ...models.dahl import friction
 from ..operators.chambers import chamber
 from ..operators.kernels import kernel
 from ..operators.levels import attracted, elastoplastic, yielding
@@ -25,6 +26,8 @@ __all__ = [
     "beyond_clearance",
     "by_speed",
     "by_speed_and_side",
+    "capstan",
+    "corner",
     "curved",
     "curved_together",
     "damping",
@@ -55,6 +58,12 @@ Floats = NDArray[np.float64]
 def kink(motion: Motion, place: float) -> Floats:
     """A spring that engages beyond ``place``, rad, on its side of the middle."""
     return np.asarray(np.maximum(motion.x - place, 0.0) if place > 0.0 else np.minimum(motion.x - place, 0.0))
+
+
+def corner(motion: Motion, place: float, width: float) -> Floats:
+    """A spring that engages beyond ``place`` on either side of the middle, smooth over ``width``, rad."""
+    above, below = (np.logaddexp(0.0, (x - place) / width) for x in (motion.x, -motion.x))
+    return np.asarray(width * (above - below))
 
 
 def ripple(motion: Motion, length: float, phase: float, power: int = 0) -> Floats:
@@ -90,6 +99,16 @@ def pressed_by_speed(motion: Motion, pace: float, power: float) -> Floats:
 def leaves(motion: Motion, length: float, back: float, growth: float) -> Floats:
     """Friction between leaves, which are pressed together the more the farther they are bent."""
     return length * motion.from_rest(enveloped, length=length, back=back, growth=growth)
+
+
+def capstan(motion: Motion, length: float, exponent: float, wrap: float, growth: float) -> Floats:
+    """Friction of a tendon, whose tension grows by ``growth`` (1/rad) with the deflection, over a sheath or a capstan.
+
+    The tension on its other side is exp(``wrap`` z) as large, z a slider by Dahl of this ``length`` (rad) and ``exponent``.
+    """
+    slid = motion.from_rest(friction, length=length, exponent=exponent)
+    grown = np.expm1(wrap * slid) / wrap if wrap else slid
+    return np.asarray(length * np.exp(growth * motion.x) * grown)
 
 
 def rubber(motion: Motion, length: float) -> Floats:
