@@ -123,7 +123,7 @@ class Growth:
     ) -> tuple[dict[str, Places], float]:
         """The same with all that is placed moved together: each was placed beside what others then only stood in for."""
         best = chosen, error
-        for these, beside in self._alternatives(chosen, needed, movable):
+        for these, beside in self._alternatives(chosen, error, needed, movable):
             before = self._sizes, self._made
             self._sizes, self._made = dict(self._sizes), dict(self._made)
             self._take_up(self._placing.settled(self._kinds, these, np.hstack(beside)))
@@ -138,7 +138,7 @@ class Growth:
         return best
 
     def _alternatives(
-        self, chosen: dict[str, Places], needed: Sequence[str], movable: Mapping[str, Kind]
+        self, chosen: dict[str, Places], error: float, needed: Sequence[str], movable: Mapping[str, Kind]
     ) -> Iterator[tuple[dict[str, Floats], list[Floats]]]:
         """Elements by their kind, and the columns beside them, from which what was placed may be moved together."""
         springs = {name: kind for name, kind in movable.items() if kind.part == ELASTIC}
@@ -157,7 +157,7 @@ class Growth:
             if more:
                 yield rubbing | more, others
         # And beside stops that follow nearly all of it a slider that follows all is not found.
-        for name, kind in movable.items():
+        for name, kind in movable.items() if error > WELL_EMULATED else ():
             if kind.alone:
                 first = self._placing.placed({name: kind}, np.hstack(bare))
                 if first:

@@ -251,7 +251,6 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         timeless(smooth),
         {1: (0.0, np.inf)},
         limits=lambda extent: np.array([[0.004 * extent.reach, 1.0, 0.3], [3.0 * extent.reach, 8.0, 3.0]]),
-        alone=True,
     ),
     # Dahl (Aerospace Corporation TOR-158, 1968), whose exponent tells how sharply a slider yields.
     "a few Dahl sliders": Kind(

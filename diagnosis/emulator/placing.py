@@ -228,8 +228,10 @@ class _Maker:
                 together = self._grown(*self._moved(begun, STEPS, self._first))
                 logs, error = min((logs, error), together, key=lambda found: found[1])
         if self._pairs and error > EXACT:
-            together = self._grown(*self._moved(self._best_pair(), STEPS, self._first))
-            logs, error = min((logs, error), together, key=lambda found: found[1])
+            begun = self._best_pair()
+            if begun.size:
+                together = self._grown(*self._moved(begun, STEPS, self._first))
+                logs, error = min((logs, error), together, key=lambda found: found[1])
         if logs.size and error > EXACT:
             logs, error = self._moved(logs, MORE, self._moves)
         return self._of_one_sign(logs, error) if logs.size and self._sign else (self._sizes(logs), error)
@@ -363,14 +365,17 @@ class _Maker:
         return min(found, key=lambda each: each[1])
 
     def _best_pair(self) -> Floats:
-        """Those two to choose from that help most together: logarithms of sizes (any,)."""
+        """Those two to choose from that help most together: logarithms of sizes (any,), none where these hardly help."""
         unit = self._tried / np.maximum(np.linalg.norm(self._tried, axis=0), 1e-300)
         along, alike = self._goal @ unit, unit.T @ unit
         # What each pair takes of the goal, by the inverse of their products.
         first, second = np.triu_indices(along.size, 1)
         between = np.where(np.abs(alike) < ALIKE, alike, np.nan)[first, second]
         gain = np.square(along[first]) + np.square(along[second]) - 2.0 * between * along[first] * along[second]
-        best = int(np.nanargmax(gain / (1.0 - np.square(between))))
+        gain = np.nan_to_num(gain / (1.0 - np.square(between)))
+        best = int(np.argmax(gain))
+        if gain[best] < (1.0 - HOPELESS**2) * float(self._goal @ self._goal):
+            return np.empty(0)
         return np.asarray(self._starts[[first[best], second[best]]].ravel())
 
     def _begun(self, logs: Floats, at: int) -> Floats:
