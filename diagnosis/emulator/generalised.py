@@ -220,15 +220,6 @@ class Generalised:
         calm, without = solved(np.delete(everything, places[RATES]))
         if without < RATES_NEEDED * self.error:
             solution, self.error = calm, without
-        # Nor is what only stands in for elements that were placed any part of the simulator.
-        if any(KINDS[name].limits and KINDS[name].part == MEMORY for name in further):
-            stand_ins = np.concatenate([places[STOPS], places[PLACED]])
-            bare, left = solved(np.delete(everything, stand_ins))
-            barest, without = solved(np.delete(everything, np.concatenate([stand_ins, places[RATES]])))
-            if without < RATES_NEEDED * left:
-                bare, left = barest, without
-            if left < RATES_NEEDED * self.error:
-                solution, self.error = bare, left
         found = {name: solution[at] * (sign if name in bounded else 1.0) for name, at in places.items()}
         self.elastic, self.placed, self.rates, self.weights = (
             found.pop(name) for name in (ELASTIC, PLACED, RATES, STOPS)

@@ -176,6 +176,9 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         signed=(0,),
         table=(0, 1),
     ),
+    # Detents, motors with poles and slots, teeth in mesh.
+    "a few ripples": _ripples(0),
+    "a few ripples of the stiffness": _ripples(1),
     # Springs with a preload.
     "a few preloads": Kind(
         ELASTIC, False,
@@ -195,9 +198,6 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         # One between two corners follows both a little, and leads to neither.
         pairs=True,
     ),
-    # Detents, motors with poles and slots, teeth in mesh.
-    "a few ripples": _ripples(0),
-    "a few ripples of the stiffness": _ripples(1),
     # Rubber: the friction of Berg (Vehicle System Dynamics 30, 1998).
     "rubber": _rubber(rubber),
     "rubber along a spline": _rubber(rubber_splined),
@@ -259,9 +259,10 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         timeless(lambda x, length, exponent: length * friction(x, length=length, exponent=exponent)),
         {1: (0.0, np.inf)},
         limits=lambda extent: np.array([[0.002 * extent.reach, 0.02], [3.0 * extent.reach, 3.0]]),
+        last=True,
         alone=True,
     ),
-    # Tendons and Bowden cables: Kaneko et al. (IEEE ICRA 1991), with a bristle where they turn round.
+    # Tendons and Bowden cables, with a bristle where they turn round: Palli, Borghesan and Melchiorri (IEEE T-RO 28, 2012).
     "a few capstans": Kind(
         MEMORY, True,
         lambda extent: extent.capstan * with_each(
