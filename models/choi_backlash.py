@@ -219,8 +219,9 @@ class ChoiBacklash(HysteresisModel):
                     if best is None and margin >= 3.0 * self.end_margin:
                         raise
                     break
-                slopes = self._fit_slopes(curves, runs, settled)
-                predicted, on_curve = self._simulate(_table(curves, stroke), stroke, slopes, runs)
+                table = _table(curves, stroke)
+                slopes = self._fit_slopes(curves, table, runs, settled)
+                predicted, on_curve = self._simulate(_kernel_parameters(table, slopes, stroke), runs)
                 error = float(np.mean((predicted - y)[settled] ** 2))
                 if best is None or error < best[0]:
                     best = (error, {**curves, "slope_pos": slopes[0], "slope_neg": slopes[1]})
@@ -260,12 +261,13 @@ class ChoiBacklash(HysteresisModel):
         if text not in self.notes_:
             self.notes_.append(text)
 
-    def _fit_slopes(self, curves: dict[str, Any], runs: Sequence[Run], settled: NDArray[np.bool_]) -> list[float]:
+    def _fit_slopes(
+        self, curves: dict[str, Any], table: Floats, runs: Sequence[Run], settled: NDArray[np.bool_]
+    ) -> list[float]:
         x = np.concatenate([run.x for run in runs])
         y = np.concatenate([run.y for run in runs])
         least = [_steepest(curves, side) for side in ("pos", "neg")]
         slopes = [2.0 * value for value in least]
-        table = _table(curves, curves["stroke"])
         for _ in range(2):
             for side, inside in enumerate((x >= 0.0, x < 0.0)):
                 counted = inside & settled
@@ -275,7 +277,8 @@ class ChoiBacklash(HysteresisModel):
                 def error(logarithm: float, side: int = side, counted: NDArray[np.bool_] = counted) -> float:
                     trial = list(slopes)
                     trial[side] = least[side] * float(np.exp(logarithm))
-                    return float(np.mean((self._simulate(table, curves["stroke"], trial, runs)[0] - y)[counted] ** 2))
+                    params = _kernel_parameters(table, trial, curves["stroke"])
+                    return float(np.mean((self._simulate(params, runs)[0] - y)[counted] ** 2))
 
                 grid = np.linspace(1e-3, np.log(STEEPEST), 16)
                 k = int(np.argmin([error(v) for v in grid]))
@@ -285,8 +288,7 @@ class ChoiBacklash(HysteresisModel):
         return slopes
 
     @staticmethod
-    def _simulate(table: Floats, stroke: Floats, slopes: Sequence[float], runs: Sequence[Run]) -> tuple[Floats, Floats]:
-        params = _kernel_parameters(table, slopes, stroke)
+    def _simulate(params: tuple[Any, ...], runs: Sequence[Run]) -> tuple[Floats, Floats]:
         outputs, states = [], []
         for run in runs:
             y, on_curve = np.empty_like(run.x), np.empty_like(run.x)

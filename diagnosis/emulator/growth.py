@@ -125,7 +125,6 @@ class Growth:
         best = chosen, error
         for these, beside in self._alternatives(chosen, error, needed, movable):
             before = self._sizes, self._made
-            self._sizes, self._made = dict(self._sizes), dict(self._made)
             self._take_up(self._placing.settled(self._kinds, these, np.hstack(beside)))
             growing = [STOPS, *(name for name in self._grid if name != KINKS or set(these) == set(needed))]
             settled, left = self._chosen(growing, list(these), list(these))
@@ -145,17 +144,18 @@ class Growth:
         placed = {name: self._sizes[name][chosen[name]] for name in needed}
         # Many of one kind were moved together already.
         rubbing = {name: sizes for name, sizes in placed.items() if name not in springs and not movable[name].many}
-        grid = [name for name in self._grid if name in chosen and chosen[name].size]
         # Stops stand in for sliders that are not there yet; where all are, they only blur where these are.
         bare = self._beside[::2]
-        for simple in (self._beside, bare) if rubbing else ():
-            columns = {name: self._columns(name, chosen[name]) for name in grid}
-            yield placed, [*simple, *columns.values()]
-            columns.pop(KINKS, None)
-            others = [*simple, *columns.values()]
-            more = self._best_of(springs, [*others, *self._along(rubbing)])
-            if more:
-                yield rubbing | more, others
+        if rubbing:
+            columns = {n: self._columns(n, chosen[n]) for n in self._grid if n in chosen and chosen[n].size}
+            unkinked = [own for name, own in columns.items() if name != KINKS]
+            moved = self._along(rubbing)
+            for simple in (self._beside, bare):
+                yield placed, [*simple, *columns.values()]
+                others = [*simple, *unkinked]
+                more = self._best_of(springs, [*others, *moved])
+                if more:
+                    yield rubbing | more, others
         # And beside stops that follow nearly all of it a slider that follows all is not found.
         for name, kind in movable.items() if error > WELL_EMULATED else ():
             if kind.alone:
@@ -192,8 +192,8 @@ class Growth:
 
     def _take_up(self, more: Mapping[str, Floats]) -> None:
         """Further elements to choose from, by their kind."""
-        self._sizes |= more
-        self._made |= self._sampled(more)
+        self._sizes = {**self._sizes, **more}
+        self._made = {**self._made, **self._sampled(more)}
 
     def _columns(self, name: str, which: Places) -> Floats:
         return self._kinds[name].columns(self._motion, self._sizes[name][which])

@@ -182,8 +182,8 @@ class _Maker:
         self._scale = Scale(kind, limits)
         self._low, self._high = self._scale.ends
         self._first = ~np.isin(np.arange(self._low.size), kind.later)
-        self._moves = ~np.isin(np.arange(self._low.size), kind.table)
-        self._shared, self._is_table, self._many = list(kind.shared), bool(kind.table), kind.many
+        self._moves, self._shared = self._scale.moves, self._scale.shared
+        self._is_table, self._many = bool(kind.table), kind.many
         self._most = MANY if kind.shared else MOST
         self._evident, self._tries, self._pairs = kind.evident, kind.starts, kind.pairs
         self._hopeless_at_first = HIDDEN if kind.evident else COSTLY if kind.timed else HOPELESS
@@ -310,8 +310,7 @@ class _Maker:
     def _moved(self, logs: Floats, steps: tuple[int, float], moving: NDArray[np.bool_]) -> tuple[Floats, float]:
         """Those sizes of each element that are ``moving`` (m,) moved from ``logs`` (any,) on in so many steps (see ``STEPS``), and the error."""
         rows = logs.reshape(-1, self._low.size).copy()
-        which = np.tile(moving, (len(rows), 1))
-        which[1:, self._shared] = False
+        which = self._scale.each(moving, len(rows))
         within = np.tile(self._low, (len(rows), 1))[which], np.tile(self._high, (len(rows), 1))[which]
 
         def at(moved: Floats) -> Floats:

@@ -27,7 +27,8 @@ class Scale:
 
     def __init__(self, kind: Kind, limits: Floats) -> None:
         self._signed, self._unit = np.isin(np.arange(kind.width), kind.signed), limits[1]
-        self._stays = np.isin(np.arange(kind.width), kind.table)
+        self.moves = ~np.isin(np.arange(kind.width), kind.table)
+        """Which sizes are moved at all, shape (m,)."""
         self.shared = list(kind.shared)
         self.ends: Floats = self.logs(limits)
 
@@ -39,9 +40,12 @@ class Scale:
         """The other way round."""
         return np.where(self._signed, logs * self._unit, np.exp(logs))
 
-    def movable(self, count: int) -> NDArray[np.bool_]:
-        """Which of the sizes of ``count`` elements are moved, shape (count, m): what they share by the first of them."""
-        which = np.tile(~self._stays, (count, 1))
+    def each(self, moving: NDArray[np.bool_], count: int) -> NDArray[np.bool_]:
+        """Which of the sizes of ``count`` elements are moved where those ``moving`` (m,) are, shape (count, m).
+
+        What they share is moved by the first of them.
+        """
+        which = np.tile(moving, (count, 1))
         which[1:, self.shared] = False
         return which
 
@@ -71,7 +75,7 @@ class Together:
         moving = [
             (name, k, at)
             for name, rows in logs.items()
-            for k, at in np.argwhere(self._scales[name].movable(len(rows))).tolist()
+            for k, at in np.argwhere(self._scales[name].each(self._scales[name].moves, len(rows))).tolist()
         ]
         low, high = (np.array([self._scales[name].ends[end][at] for name, _, at in moving]) for end in (0, 1))
 
@@ -82,13 +86,22 @@ class Together:
                 there[name][slice(None) if shared else k, place] = value
             return there
 
+        last: tuple[bytes, tuple[Floats, Floats, Floats]] = b"", (low, low, low)
+
+        def factored(values: Floats) -> tuple[Floats, Floats, Floats]:
+            """The columns and their QR factorisation, kept for the slopes where the residual was just asked for."""
+            nonlocal last
+            if last[0] != values.tobytes():
+                columns = self._columns(at(values))
+                last = values.tobytes(), (columns, *np.linalg.qr(columns))
+            return last[1]
+
         def left(values: Floats) -> Floats:
-            own, _ = np.linalg.qr(self._columns(at(values)))
+            own = factored(values)[1]
             return np.asarray(self._goal - own @ (own.T @ self._goal))
 
         def slopes(values: Floats) -> Floats:
-            columns = self._columns(at(values))
-            own, upper = np.linalg.qr(columns)
+            columns, own, upper = factored(values)
             weights = np.linalg.lstsq(upper, own.T @ self._goal, rcond=None)[0]
             changes = np.empty((self._goal.size, values.size))
             # Towards the farther limit.
