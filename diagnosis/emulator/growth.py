@@ -89,21 +89,24 @@ class Growth:
         beside = [*self._beside, *(self._columns(name, at) for name, at in chosen.items() if at.size)]
         needed = [name for name in chosen if name in movable]
         refused: set[str] = set()
-        for this in range(ROUNDS):
+        before, (chosen, error) = chosen, self._chosen([STOPS, *self._grid], needed, needed)
+        # What is followed without them needs no kinds that are moved.
+        for this in range(ROUNDS if error > FOLLOWED else 0):
             rest = {name: kind for name, kind in movable.items() if name not in needed and name not in refused}
             enough = WELL_EMULATED if this else EXACT
             more = self._placing.placed(rest, np.hstack(beside), enough)
-            if this and not more:
+            if more:
+                self._take_up(more)
+                chosen, error = self._chosen([STOPS, *self._grid], [*needed, *more], needed)
+            elif this:
                 break
-            self._take_up(more)
-            before = chosen
-            chosen, error = self._chosen([STOPS, *self._grid], [*needed, *more], needed)
             # What some kinds leave may be another's, which hardly helped beside all that.
             new = [
                 name
                 for name, at in chosen.items()
                 if name in self._sizes and not np.isin(at, before.get(name, [])).all()
             ]
+            before = chosen
             beside += [self._columns(name, chosen[name]) for name in new]
             needed = [name for name in chosen if name in movable]
             # What is not taken in hides what is nearly as good, and would do so again.

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 __all__ = ["superelastic"]
 
 Floats = NDArray[np.float64]
-STEP, MOST = 0.05, 400
+STEP, MOST = 0.1, 200
 """Way of one step, over that within which the force is drawn to its bounds or the back stress turns; and steps to a sample at most."""
 
 
