@@ -10,6 +10,7 @@ from joints import dahl, sliders
 from motions import swelling
 from numpy.typing import NDArray
 from simulators import motion, rigid_body
+from slider_joint import ELEMENTS, TIME, X
 
 from hystbench.diagnosis.blind.cases import DEVELOPMENT_PLANTS
 from hystbench.diagnosis.diagnosis import diagnose
@@ -90,6 +91,20 @@ def test_an_effect_beside_a_simulator_that_is_off_is_named_with_it() -> None:
     y_real = spring(x) + 0.06 * np.gradient(x, time)
     found = diagnose(signals_of(time, x, y_real, spring(x, 1.27, 0.66, 4.14, 0.29)))
     assert set(found.verdict) - {"miscalibration"} == {"viscous_friction"}
+
+
+@pytest.mark.parametrize("cubic", [-0.04, 0.04])
+def test_an_effect_of_which_a_simulator_that_is_off_hides_a_part_is_named_with_it(cubic: float) -> None:
+    def joint(linear: float, cubic: float, sliding: float) -> Floats:
+        return 4.0 * linear * X + 0.6 * cubic * X**3 + sliding * sliders(X, ELEMENTS)
+
+    real, simulated = joint(1.0, 1.0, 1.0), joint(1.04, 1.0 + cubic, 0.96)
+    hiding = real - simulated
+    branch = relaxing_branch(TIME, X, 3.0)
+    relaxation = branch * np.std(hiding) / np.std(branch) / 1.6
+    found = diagnose(signals_of(TIME, X, real + relaxation, simulated, 5, float(np.std(relaxation)) / 8.0))
+    assert np.std(hiding + relaxation) < 0.8 * np.std(relaxation)
+    assert set(found.verdict) == {"stress_relaxation", "miscalibration"}
 
 
 @pytest.mark.parametrize("off", [0.0, 0.04, -0.04])

@@ -12,6 +12,7 @@ from ..hypotheses.adequacy import ALMOST_ALL, emulated, forgiven_here, left_to_n
 from ..hypotheses.evidence import Evidence, Hypothesis, is_refitted
 from ..hypotheses.heldout import HeldOut, held_out
 from ..hypotheses.refinement import polish
+from ..hypotheses.search import NOTHING
 from ..names import GAIN, MISCALIBRATION, UNKNOWN
 from ..recording.hum import hum
 from ..recording.noise import rms, structured_power
@@ -443,7 +444,7 @@ def _inadequate(evidence: Evidence, features: dict[str, float]) -> bool:
     # Effects that widen the gap until the simulator is bent to meet them explain nothing.
     least = 0.0 if features["signal"] > 1.5 * gap else WIDENING
     widened = features["closed_alone"] < least and not _is_clearly_there(evidence, features)
-    if refitted and gap > 3.0 and widened:
+    if refitted and gap > 3.0 and widened and not _is_partly_hidden(features):
         return True
     # Effects may cancel each other, but a simulator that cancels them can imitate anything.
     cancels = refitted and features["largest"] > BALANCED * gap and features["closed_alone"] < ALMOST_ALL
@@ -460,6 +461,12 @@ def _is_clearly_there(evidence: Evidence, features: dict[str, float]) -> bool:
     Then the simulator's errors may hide a part of it, but they do not imitate it.
     """
     return features["effects"] == 1.0 and features["over_null"] >= NEEDED * evidence.effective
+
+
+def _is_partly_hidden(features: dict[str, float]) -> bool:
+    """Whether one effect of about the gap's size leaves nothing beside errors of the simulator: these are as likely to hide a part of it as to add to it."""
+    is_one = features["effects"] == 1.0 and features["signal"] <= BALANCED * features["gap"]
+    return is_one and features["in_sample_left"] < NOTHING
 
 
 def _overstretched(evidence: Evidence, best: Hypothesis, features: dict[str, float]) -> bool:
