@@ -21,6 +21,7 @@ from slider_joint import (
     diagnosed,
     friction,
     joint,
+    signals,
     spring,
 )
 
@@ -242,6 +243,15 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
 def test_a_law_of_another_hand_is_named(law: str) -> None:
     expected, made = LAWS[law]
     assert diagnosed(made()).verdict == [expected]
+
+
+@pytest.mark.parametrize("waves", [9.0, 14.0, 20.0])
+@pytest.mark.parametrize("hardening", [0.0, 0.6])
+def test_a_torque_that_waves_with_the_place_is_no_encoders_error(waves: float, hardening: float) -> None:
+    simulated = 4.0 * X + hardening * X**3 + friction(X)
+    detents = np.sin(waves * X + 0.2) - np.sin(0.2)
+    detents *= 8.0 * NOISE / np.std(detents)
+    assert diagnose(signals(simulated + detents, y_sim=simulated)).verdict == ["unknown"]
 
 
 def test_soft_limits_that_differ_a_little_leave_nothing() -> None:
