@@ -1,14 +1,16 @@
-"""Simulators of matter: alloys that change their phase, gels that flow, bristles that break away, gas that leaks.
+"""Simulators of matter: alloys that change their phase, gels that flow, bristles that break away, gas that leaks, magnets, steel.
 
 As those of :mod:`simulators` each has its parameters off by ``e``, some up and some down, and shares no code with the emulator.
 """
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["breaking_away", "flowing_gel", "leaking_drive", "phase_changing"]
+__all__ = ["breaking_away", "flowing_gel", "leaking_drive", "magnet", "phase_changing", "steel"]
 
 Floats = NDArray[np.float64]
 INTERVAL = 0.01
@@ -76,3 +78,43 @@ def leaking_drive(time: Floats, x: Floats, e: float = 0.0) -> Floats:
             volume = now
         out[i] = 12.0 * (over[1] - over[0]) + (1.0 + 1.5 * (1.0 + e) * np.abs(over).sum()) * rubs
     return 4.0 * (1.0 - e) * x + out
+
+
+def magnet(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """A magnetic drive by Jiles and Atherton's equation in small explicit steps, beside a spring."""
+    shape, pinned, coupling, bends = 0.2 * (1.0 + e), 0.15 * (1.0 - e), 0.03, 0.2 * (1.0 + e)
+    held = whole = 0.0
+    out, fine = np.zeros(x.size), 40
+    for i in range(1, x.size):
+        step = (x[i] - x[i - 1]) / fine
+        way = np.sign(step)
+        for k in range(fine):
+            seen = (x[i - 1] + (k + 0.5) * step + coupling * whole) / shape
+            aligned = 1.0 / np.tanh(seen) - 1.0 / seen if abs(seen) > 1e-4 else seen / 3.0
+            if (aligned - held) * way > 0.0:
+                held += step * way * (aligned - held) / (pinned - coupling * abs(aligned - held))
+            whole = bends * aligned + (1.0 - bends) * held
+        out[i] = whole
+    return 2.0 * (1.0 - e) * x + 0.7 * (1.0 + e) * x**3 + 3.0 * (1.0 - e) * out
+
+
+def steel(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """A bar of steel by Menegotto and Pinto, branch by branch, beside a hardening spring."""
+    yields, after, sharp = 0.2 * (1.0 + e), 0.05 * (1.0 - e), 8.0 * (1.0 - e)
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(x)))) + 1
+    ends = [0, *turns.tolist(), x.size - 1]
+    force, farthest = np.zeros(x.size), {1.0: yields, -1.0: -yields}
+    for start, stop in itertools.pairwise(ends):
+        way = float(np.sign(x[stop] - x[start]))
+        if start:
+            farthest[-way] = -way * max(-way * farthest[-way], -way * x[start])
+            # The way out is elastic; beyond, the line through the first yield on that side.
+            meets = (way * yields * (1.0 - after) - force[start] + x[start]) / (1.0 - after)
+        else:
+            meets = way * yields
+        excursion = abs(farthest[way] - meets) / yields if start else 0.0
+        power = sharp * (1.0 - 0.6 * excursion / (0.3 + excursion))
+        along = (x[start : stop + 1] - x[start]) / (meets - x[start])
+        rise = after * along + (1.0 - after) * along / (1.0 + along**power) ** (1.0 / power)
+        force[start : stop + 1] = force[start] + (meets - x[start]) * rise
+    return 1.5 * (1.0 + e) * x + (1.0 - e) * x**3 + 4.0 * (1.0 - e) * force

@@ -7,7 +7,7 @@ from math import erf
 
 import numpy as np
 from joints import sliders
-from material_simulators import breaking_away, flowing_gel, leaking_drive, phase_changing
+from material_simulators import breaking_away, flowing_gel, leaking_drive, magnet, phase_changing, steel
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
@@ -518,6 +518,14 @@ def antagonists(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 2.0 * (1.0 + e) * (above - below)
 
 
+def slack_tendons(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Two tendons whose tension grows by the square of how far they are pulled, each over a capstan; one goes slack."""
+    wrap = 0.4 * (1.0 + e) * slid(x, 0.05 * (1.0 - e), 1.0)
+    pulled = (np.hypot(0.7 * (1.0 + e) + side * x, 0.08) + 0.7 * (1.0 + e) + side * x for side in (1.0, -1.0))
+    above, below = (np.square(0.5 * over) * np.exp(side * wrap) for over, side in zip(pulled, (1.0, -1.0), strict=True))
+    return 3.0 * (1.0 - e) * (above - below)
+
+
 def progressive(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """A spring that hardens by a power of the deflection."""
     spring = x + 6.0 * (1.0 + e) * np.sign(x) * np.abs(x) ** (2.4 * (1.0 - e))
@@ -573,5 +581,8 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "strain wave gear": (strain_wave_gear, 0.001),
     "antagonists": (antagonists, 0.001),
     "progressive": (progressive, 0.002),
+    "slack tendons": (slack_tendons, 0.001),
+    "magnet": (magnet, 0.001),
+    "steel": (steel, 0.002),
 }
 """With the error, as a share of the output, that the emulator may make over a motion that it never saw."""

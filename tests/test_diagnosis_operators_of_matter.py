@@ -1,6 +1,8 @@
-"""Whether the operators of matter that changes, flows, breaks away or leaks are the solutions of their equations."""
+"""Whether the operators of matter that changes, flows, breaks away, leaks, aligns or yields are the solutions of their equations."""
 
 from __future__ import annotations
+
+import itertools
 
 import numpy as np
 import pytest
@@ -11,6 +13,9 @@ from simulators import motion
 from hystbench.diagnosis.operators.chambers import chamber
 from hystbench.diagnosis.operators.kernels import kernel
 from hystbench.diagnosis.operators.levels import elastoplastic
+from hystbench.diagnosis.operators.magnetic import magnetised
+from hystbench.diagnosis.operators.memory import plays
+from hystbench.diagnosis.operators.steel import yielding_again
 from hystbench.diagnosis.operators.viscoplastic import viscoplastic
 
 Floats = NDArray[np.float64]
@@ -132,3 +137,57 @@ def test_seal_of_a_chamber_rubs_by_the_pressure() -> None:
     found = chamber(np.zeros(5), x, 0.05, -0.5, 0.1, 1.0, 0.3, 0.1)
     # Wholly after a tenth of a radian, half of it back after a fifth of that from the other side.
     assert found - over == pytest.approx(0.3 * over * np.array([0.0, 1.0, 1.0, 0.8, -1.0]))
+
+
+def langevin(u: float) -> float:
+    return u / 3.0 if abs(u) < 1e-4 else float(1.0 / np.tanh(u) - 1.0 / u)
+
+
+@pytest.mark.parametrize("free", [0.05, 0.4])
+@pytest.mark.parametrize("coupling", [0.0, 0.05])
+def test_magnet_is_the_solution_of_its_equation(coupling: float, free: float) -> None:
+    time, x = course(0.002)
+    pinning, shape = 0.15, 0.2
+
+    def of_both(at: float, held: float) -> tuple[float, float]:
+        """Where all domains would be, and where they are."""
+        whole = held
+        for _ in range(60):
+            aligned = langevin((at + coupling * whole) / shape)
+            whole = free * aligned + (1.0 - free) * held
+        return aligned, whole
+
+    def rate(now: float, held: Floats) -> list[float]:
+        going, place = speed(now), float(0.5 * np.sin(1.9 * now) + 0.2 * np.sin(5.3 * now))
+        apart = of_both(place, held[0])[0] - held[0]
+        return [abs(going) * apart / (pinning - coupling * abs(apart)) if apart * going > 0.0 else 0.0]
+
+    held = solve_ivp(rate, (0.0, 8.0), [0.0], t_eval=time, rtol=1e-8, atol=1e-10, max_step=0.005).y[0]
+    wanted = np.array([of_both(*each)[1] for each in zip(x, held, strict=True)])
+    assert np.max(np.abs(magnetised(x, pinning, shape, coupling, free) / (3.0 * shape) - wanted)) < 1e-3
+
+
+@pytest.mark.parametrize("sizes", [(0.01, 0.01, 1.0, 0.01), (0.01, 3.0, 1.0, 0.9), (2.0, 0.01, 1e-3, 0.9)])
+def test_magnet_is_never_more_than_aligned(sizes: tuple[float, float, float, float]) -> None:
+    _, x = motion(60.0, 0.0, 1.0, 2.0)
+    assert np.max(np.abs(magnetised(x, *sizes))) <= 3.0 * sizes[1]
+
+
+def test_steel_that_bends_sharply_is_a_stop_and_a_spring() -> None:
+    # Where it yields before it turns round: it does not remember what it left before that.
+    ends = [0.0, 1.0, -0.9, 0.7, -0.2, 0.6, 0.0]
+    x = np.concatenate([np.linspace(a, b, 200) for a, b in itertools.pairwise(ends)])
+    stop = x - plays(x, np.array([0.2]))[:, 0]
+    assert yielding_again(x, 0.2, 0.1, 300.0, 0.0, 1.0) == pytest.approx(0.9 * stop + 0.1 * x, abs=1e-3)
+
+
+def test_steel_bends_the_less_sharply_the_farther_it_was_yielded() -> None:
+    way = np.concatenate([np.linspace(0.0, 1.0, 400), np.linspace(1.0, -1.0, 800)])
+    firm, soft = (yielding_again(way, 0.2, 0.05, 8.0, most, 0.3) for most in (0.0, 0.6))
+    # The same bar at first. Where the asymptotes meet on the way back, an exponent R leaves 2^(-1/R) of the way between.
+    assert soft[:400] == pytest.approx(firm[:400])
+    met = (-0.2 * 0.95 - firm[399] + 1.0) / 0.95
+    far = abs(-0.2 - met) / 0.2
+    for force, exponent in ((firm, 8.0), (soft, 8.0 * (1.0 - 0.6 * far / (0.3 + far)))):
+        there = np.interp(-met, -way[400:], force[400:])
+        assert (there - force[399]) / (met - 1.0) == pytest.approx(0.05 + 0.95 * 0.5 ** (1.0 / exponent), abs=2e-4)

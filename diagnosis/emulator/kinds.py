@@ -18,6 +18,7 @@ from ...models.dahl import friction
 from ..operators.masses import held_by_load, sliding
 from ..operators.memory import dashed, hardening, held_inside, leaky, orifice, pressed
 from ..operators.smooth_loops import pinched, smooth
+from ..operators.steel import yielding_again
 from ..operators.viscoplastic import viscoplastic
 from .kind import ELASTIC, MEMORY, RATE, Kind, by_row, timed_by, timeless, with_each
 from .motion import Extent, Motion
@@ -42,6 +43,7 @@ from .single_elements import (
     leaking_chamber,
     leaves,
     levered,
+    magnet,
     preload,
     pressed_by_speed,
     ripple,
@@ -53,6 +55,7 @@ from .single_elements import (
     stronger_at_rest,
     stronger_in_motion,
     switching,
+    tendon,
     wire,
 )
 from .tables import looked_up, looked_up_together, nodes, rubbing, rubbing_together
@@ -273,6 +276,42 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         limits=lambda extent: extent.capstan * [[0.002, 0.02, -2.0, -4.0], [1.0, 3.0, 2.0, 4.0]],
         signed=(2, 3),
         shared=(0, 1),
+    ),
+    # Antagonists whose tendons go slack, on springs that stiffen.
+    "a few capstans of slack tendons": Kind(
+        MEMORY, True,
+        lambda extent: extent.tendon * with_each(
+            np.geomspace(0.01, 0.2, 4), *itertools.product((1.0,), (0.2, 0.8), (-1.2, -0.7, 0.7, 1.2), (0.1,))
+        ),
+        by_row(tendon),
+        {1: (0.0, np.inf), 2: (0.0, np.inf), 4: (0.0, np.inf)},
+        limits=lambda extent: extent.tendon * [[0.002, 0.02, 0.01, -3.0, 0.01], [1.0, 3.0, 3.0, 3.0, 0.5]],
+        signed=(3,),
+        shared=(0, 1, 2, 4),
+        # One of two antagonists follows little.
+        pairs=True,
+    ),
+    # Magnetic and magnetostrictive drives: Jiles and Atherton (J. Magn. Magn. Mater. 61, 1986).
+    "a few magnets": Kind(
+        MEMORY, True,
+        lambda extent: extent.magnet * with_each(
+            np.array([0.05, 0.1, 0.2, 0.4]), *itertools.product((0.05, 0.15, 0.4), (0.03,), (0.1, 0.4))
+        ),
+        by_row(magnet),
+        {1: (0.0, np.inf), 3: (0.0, 1.0)},
+        limits=lambda extent: extent.magnet * [[0.01, 0.01, 1e-3, 0.01], [2.0, 3.0, 1.0, 0.9]],
+        evident=True,
+    ),
+    # Steel that yields each time less sharply: Menegotto and Pinto (IABSE Symposium, Lisbon, 1973).
+    "a few steel bars": Kind(
+        MEMORY, True,
+        lambda extent: extent.steel * with_each(
+            np.array([0.05, 0.1, 0.2, 0.4]), *itertools.product((0.05,), (3.0, 8.0, 20.0), (0.5, 0.9), (0.2,))
+        ),
+        timeless(yielding_again),
+        {1: (0.0, 1.0), 2: (0.0, np.inf), 3: (0.0, 1.0), 4: (0.0, np.inf)},
+        limits=lambda extent: extent.steel * [[0.01, 1e-3, 1.5, 0.03, 0.02], [2.0, 0.5, 40.0, 0.98, 3.0]],
+        evident=True,
     ),
     # Friction that the spring's load presses, as in gears, belts and cams.
     "a few sliders pressed by the load": Kind(

@@ -175,6 +175,21 @@ class Extent:
         return np.array([self.reach, 1.0, 1.0, 1.0 / self.reach])
 
     @property
+    def tendon(self) -> Floats:
+        """The same of one whose tension grows by the square: rad, 1, 1, rad, rad; shape (5,)."""
+        return np.array([self.reach, 1.0, 1.0, self.reach, self.reach])
+
+    @property
+    def magnet(self) -> Floats:
+        """The same of a magnet: rad, rad, rad, 1; shape (4,)."""
+        return np.array([self.reach, self.reach, self.reach, 1.0])
+
+    @property
+    def steel(self) -> Floats:
+        """The same of steel that yields again and again: rad, 1, 1, 1, 1; shape (5,)."""
+        return np.array([self.reach, 1.0, 1.0, 1.0, 1.0])
+
+    @property
     def stopped(self) -> Floats:
         """The same of one between stops: and rad, 1, rad/s, 1; shape (11,)."""
         return np.array([*self.body, self.reach, 1.0, 1.0 / self.interval, 1.0])

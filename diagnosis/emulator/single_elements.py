@@ -16,6 +16,7 @@ from ...models.dahl import friction
 from ..operators.chambers import chamber
 from ..operators.kernels import kernel
 from ..operators.levels import attracted, elastoplastic, yielding
+from ..operators.magnetic import magnetised
 from ..operators.memory import enveloped, hyperbolic, lagged, lowpass, plays
 from ..operators.superelastic import superelastic
 from .motion import Motion
@@ -39,6 +40,7 @@ __all__ = [
     "lagging_together",
     "leaves",
     "levered",
+    "magnet",
     "preload",
     "pressed_by_speed",
     "ripple",
@@ -49,6 +51,7 @@ __all__ = [
     "stribeck",
     "stronger_at_rest",
     "stronger_in_motion",
+    "tendon",
     "wire",
 ]
 
@@ -109,6 +112,17 @@ def capstan(motion: Motion, length: float, exponent: float, wrap: float, growth:
     slid = motion.from_rest(friction, length=length, exponent=exponent)
     grown = np.expm1(wrap * slid) / wrap if wrap else slid
     return np.asarray(length * np.exp(growth * motion.x) * grown)
+
+
+def tendon(motion: Motion, length: float, exponent: float, wrap: float, place: float, width: float) -> Floats:
+    """The same of a tendon whose tension grows by the square of how far it is pulled beyond where it is slack.
+
+    It is slack beyond -``place``, rad, smooth over ``width``, rad; its side is the sign of that.
+    """
+    side = np.sign(place)
+    slid = motion.from_rest(friction, length=length, exponent=exponent)
+    pulled = width * np.logaddexp(0.0, (abs(place) + side * motion.x) / width) / abs(place)
+    return np.asarray(length * side * np.square(pulled) * np.expm1(side * wrap * slid) / wrap)
 
 
 def rubber(motion: Motion, length: float) -> Floats:
@@ -184,6 +198,11 @@ def _somewhere(motion: Motion, answer: Callable[..., Floats], *others: Floats) -
 def wire(motion: Motion, length: float, power: float, after: float, tail: float, steepness: float) -> Floats:
     """A superelastic wire."""
     return _somewhere(motion, lambda x, begun: superelastic(x, length, power, after, tail, steepness, begun))
+
+
+def magnet(motion: Motion, pinning: float, shape: float, coupling: float, free: float) -> Floats:
+    """A magnet with pinned domains."""
+    return _somewhere(motion, lambda x, begun: magnetised(x, pinning, shape, coupling, free, begun))
 
 
 def leaking_chamber(
