@@ -108,7 +108,7 @@ def _held_by_load(
     )
     begun = np.array([(*load, *first[1:]) for load in loads])
     lowest = np.array([1e-3, 1.0, 1e-3, least[0], 1e-3, 3e-3, 1e-3, *least[1:]])
-    highest = np.array([1.0, 100.0, 3.0, most[0], 20.0, 10.0, 100.0, *most[1:]])
+    highest = np.array([1.0, 300.0, 3.0, most[0], 20.0, 100.0, 100.0, *most[1:]])
     positive = (1, 3, 8) if more else (1, 3)
     return Kind(
         MEMORY, True,

@@ -47,7 +47,8 @@ def _slope(way, there, pinned, pinning, coupling):
 
 @njit(cache=True)
 def _magnetised(x, begun, pinning, shape, coupling, free, out):
-    pinned, total, before = 0.0, 0.0, begun
+    pinned, before = 0.0, begun
+    there, total = _aligned(begun, 0.0, 0.0, shape, coupling, free)
     for i in range(x.size):
         moved = x[i] - before
         if moved != 0.0:
@@ -56,13 +57,12 @@ def _magnetised(x, begun, pinning, shape, coupling, free, out):
             h = moved / count
             for k in range(count):
                 start = before + k * h
-                there, total = _aligned(start, pinned, total, shape, coupling, free)
                 half = pinned + 0.5 * h * _slope(way, there, pinned, pinning, coupling)
                 there, total = _aligned(start + 0.5 * h, half, total, shape, coupling, free)
                 step = h * _slope(way, there, half, pinning, coupling)
                 # However strongly they pull each other, they go no farther than all would.
                 pinned = pinned + step if (pinned + step - there) * way <= 0.0 else max(pinned * way, there * way) * way
-            _, total = _aligned(x[i], pinned, total, shape, coupling, free)
+                there, total = _aligned(start + h, pinned, total, shape, coupling, free)
         before = x[i]
         out[i] = 3.0 * shape * total
 
