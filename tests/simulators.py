@@ -581,7 +581,7 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "strain wave gear": (strain_wave_gear, 0.001),
     "antagonists": (antagonists, 0.001),
     "progressive": (progressive, 0.002),
-    "slack tendons": (slack_tendons, 0.001),
+    "slack tendons": (slack_tendons, 0.002),
     "magnet": (magnet, 0.001),
     "steel": (steel, 0.002),
 }
