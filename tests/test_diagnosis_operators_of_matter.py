@@ -191,3 +191,11 @@ def test_steel_bends_the_less_sharply_the_farther_it_was_yielded() -> None:
     for force, exponent in ((firm, 8.0), (soft, 8.0 * (1.0 - 0.6 * far / (0.3 + far)))):
         there = np.interp(-met, -way[400:], force[400:])
         assert (there - force[399]) / (met - 1.0) == pytest.approx(0.05 + 0.95 * 0.5 ** (1.0 / exponent), abs=2e-4)
+
+
+@pytest.mark.parametrize("step", [0.0, 1e-17, 1e-16, 1e-12, 1e-6])
+def test_steel_that_trembles_where_it_yields_stays_on_its_asymptote(step: float) -> None:
+    x = np.concatenate([np.linspace(0.0, 1.0, 50), 1.0 - step * np.arange(200) % (3.0 * step or 1.0), [1.0, 1.01]])
+    force = yielding_again(x, 0.2, 0.05, 40.0, 0.5, 0.2)
+    assert np.all(np.isfinite(force))
+    assert force[-1] == pytest.approx(0.2 * 0.95 + 0.05 * 1.01, abs=1e-4)

@@ -11,13 +11,15 @@ __all__ = ["yielding_again"]
 Floats = NDArray[np.float64]
 SMOOTHEST = 1.0
 """Exponent of the smoothest bend."""
+LEAST = 1e-30
+"""Way to where asymptotes meet that is none."""
 
 
 @njit(cache=True)
 def _yielding_again(x, yields, hardening, sharpness, most, half, out):
     way = 0.0
-    # Where this branch turned round and where its asymptotes meet, the farthest that was yielded to on either side.
-    turned, pulled, met, at_met = 0.0, 0.0, 0.0, 0.0
+    # Where this branch turned round, how far from there its asymptotes meet, and the farthest that was yielded to on either side.
+    turned, pulled, elastic = 0.0, 0.0, 0.0
     up, down, before, force = yields, -yields, 0.0, 0.0
     bend = sharpness
     for i in range(x.size):
@@ -27,22 +29,23 @@ def _yielding_again(x, yields, hardening, sharpness, most, half, out):
             if now != way:
                 gone = now * yields
                 if way == 0.0:
-                    met, at_met, reached = gone, gone, gone
+                    elastic, reached = gone, gone
                 else:
                     if way > 0.0:
                         up = max(up, before)
                     else:
                         down = min(down, before)
                     turned, pulled = before, force
-                    met = (gone * (1.0 - hardening) - pulled + turned) / (1.0 - hardening)
-                    at_met = pulled + met - turned
+                    elastic = gone + (turned * hardening - pulled) / (1.0 - hardening)
+                    # As it turns round on the asymptote itself.
+                    elastic = elastic if elastic != 0.0 else LEAST
                     reached = up if now > 0.0 else down
                 way = now
-                far = abs(reached - met) / yields
+                far = abs(reached - turned - elastic) / yields
                 bend = max(sharpness * (1.0 - most * far / (half + far)), SMOOTHEST)
-            along = (x[i] - turned) / (met - turned)
+            along = (x[i] - turned) / elastic
             share = hardening * along + (1.0 - hardening) * along / (1.0 + abs(along) ** bend) ** (1.0 / bend)
-            force = pulled + (at_met - pulled) * share
+            force = pulled + elastic * share
         before = x[i]
         out[i] = force
 
