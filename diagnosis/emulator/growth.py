@@ -90,8 +90,10 @@ class Growth:
         needed = [name for name in chosen if name in movable]
         refused: set[str] = set()
         before, (chosen, error) = chosen, self._chosen([STOPS, *self._grid], needed, needed)
-        # What is followed without them needs no kinds that are moved.
-        for this in range(ROUNDS if error > FOLLOWED else 0):
+        if error < FOLLOWED:
+            # What is followed without any needs none that takes long.
+            movable = {name: kind for name, kind in movable.items() if kind.width <= SIMPLE and not kind.timed}
+        for this in range(ROUNDS):
             rest = {name: kind for name, kind in movable.items() if name not in needed and name not in refused}
             enough = WELL_EMULATED if this else EXACT
             more = self._placing.placed(rest, np.hstack(beside), enough)
