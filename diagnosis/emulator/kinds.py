@@ -290,6 +290,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         shared=(0, 1, 2, 4),
         # One of two antagonists follows little.
         pairs=True,
+        starts=1,
     ),
     # Magnetic and magnetostrictive drives: Jiles and Atherton (J. Magn. Magn. Mater. 61, 1986).
     "a few magnets": Kind(
@@ -301,6 +302,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         {1: (0.0, np.inf), 3: (0.0, 1.0)},
         limits=lambda extent: extent.magnet * [[0.01, 0.01, 1e-3, 0.01], [2.0, 3.0, 1.0, 0.9]],
         evident=True,
+        starts=1,
     ),
     # Steel that yields each time less sharply: Menegotto and Pinto (IABSE Symposium, Lisbon, 1973).
     "a few steel bars": Kind(
@@ -312,6 +314,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         {1: (0.0, 1.0), 2: (0.0, np.inf), 3: (0.0, 1.0), 4: (0.0, np.inf)},
         limits=lambda extent: extent.steel * [[0.01, 1e-3, 1.5, 0.03, 0.02], [2.0, 0.5, 40.0, 0.98, 3.0]],
         evident=True,
+        starts=1,
     ),
     # Friction that the spring's load presses, as in gears, belts and cams.
     "a few sliders pressed by the load": Kind(
