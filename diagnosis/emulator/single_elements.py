@@ -109,9 +109,13 @@ def capstan(motion: Motion, length: float, exponent: float, wrap: float, growth:
 
     The tension on its other side is exp(``wrap`` z) as large, z a slider by Dahl of this ``length`` (rad) and ``exponent``.
     """
+    return np.asarray(np.exp(growth * motion.x) * _wrapped(motion, length, exponent, wrap))
+
+
+def _wrapped(motion: Motion, length: float, exponent: float, wrap: float) -> Floats:
+    """What friction of a capstan adds to a tension of one, over ``wrap``; times the slider's length."""
     slid = motion.from_rest(friction, length=length, exponent=exponent)
-    grown = np.expm1(wrap * slid) / wrap if wrap else slid
-    return np.asarray(length * np.exp(growth * motion.x) * grown)
+    return np.asarray(length * (np.expm1(wrap * slid) / wrap if wrap else slid))
 
 
 def tendon(motion: Motion, length: float, exponent: float, wrap: float, place: float, width: float) -> Floats:
@@ -120,9 +124,8 @@ def tendon(motion: Motion, length: float, exponent: float, wrap: float, place: f
     It is slack beyond -``place``, rad, smooth over ``width``, rad; its side is the sign of that.
     """
     side = np.sign(place)
-    slid = motion.from_rest(friction, length=length, exponent=exponent)
     pulled = width * np.logaddexp(0.0, (abs(place) + side * motion.x) / width) / abs(place)
-    return np.asarray(length * side * np.square(pulled) * np.expm1(side * wrap * slid) / wrap)
+    return np.asarray(np.square(pulled) * _wrapped(motion, length, exponent, side * wrap))
 
 
 def rubber(motion: Motion, length: float) -> Floats:

@@ -230,6 +230,7 @@ class Evidence:
             absorbed = ratio / (1.0 + ratio)
             self._modes[scale] = absorbed, rotation, 0.5 * float(np.sum(np.log1p(self.thinning * ratio)))
         self._parts: dict[bytes, Evidence] = {}
+        self._forms: dict[Effect, list[Form]] = {}
         self.inadequacy = (INADEQUACY**2) * max(self.gap_energy / self.gap.size - self.sigma**2, 0.0)
         self.inadequacy += scene.signals.jitter**2
 
@@ -277,6 +278,15 @@ class Evidence:
                 del self._parts[next(iter(self._parts))]
             self._parts[key] = Evidence(self.scene, rows, self.fitted)
         return self._parts[key]
+
+    def forms_of(self, effect: Effect) -> list[Form]:
+        """The effect's laws; a model that was fitted to the joint has nothing too much of which it would not have got rid.
+
+        Some look at the gap for that, so that they are made once.
+        """
+        if effect not in self._forms:
+            self._forms[effect] = [f for f in effect.forms(self.scene) if not (self.fitted and f.overdone)]
+        return self._forms[effect]
 
     def inside(self, columns: Floats) -> Floats:
         """Components in the simulator's tangent space, shape (m,) or (m, k)."""

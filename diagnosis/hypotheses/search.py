@@ -67,7 +67,7 @@ class Library:
         made: list[Floats] = []
         start = 0
         for effect in effects:
-            forms = _forms(effect, evidence)
+            forms = evidence.forms_of(effect)
             for form in forms:
                 numbers = []
                 for shape in form.grid:
@@ -177,11 +177,6 @@ class Library:
             if np.isfinite(scores[k]):
                 found.append((float(scores[k]), (*base, k)))
         return found
-
-
-def _forms(effect: Effect, evidence: Evidence) -> list[Form]:
-    """The effect's laws; a model that was fitted to the joint has nothing too much of which it would not have got rid."""
-    return [form for form in effect.forms(evidence.scene) if not (evidence.fitted and form.overdone)]
 
 
 def search(library: Library, wide: int = 9, most: int = 3) -> list[Hypothesis]:
@@ -395,7 +390,7 @@ def successors(evidence: Evidence, fitted: Hypothesis, scales: Sequence[Scale] =
     made = []
     for k, (term, own) in enumerate(zip(fitted.terms, spans(fitted.terms), strict=True)):
         coefficients = fitted.coefficients[own]
-        for form in _forms(term.effect, evidence):
+        for form in evidence.forms_of(term.effect):
             if term.form.name in form.refines:
                 shape = form.start(term.shape, coefficients) if form.start else term.shape
                 terms = _with_law(fitted, k, form, shape)
@@ -435,7 +430,7 @@ def _best_sibling(evidence: Evidence, fitted: Hypothesis, k: int, tried: int) ->
     The ``tried`` best of them are refined.
     """
     term, others = fitted.terms[k], []
-    for form in _forms(term.effect, evidence) if term.shape else ():
+    for form in evidence.forms_of(term.effect) if term.shape else ():
         if form.shapes != term.form.shapes or form.name == term.form.name:
             continue
         others.append(evidence.fit(_with_law(fitted, k, form, term.shape)))

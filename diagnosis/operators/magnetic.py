@@ -61,7 +61,7 @@ def _magnetised(x, begun, pinning, shape, coupling, free, out):
                 there, total = _aligned(start + 0.5 * h, half, total, shape, coupling, free)
                 step = h * _slope(way, there, half, pinning, coupling)
                 # However strongly they pull each other, they go no farther than all would.
-                pinned = pinned + step if (pinned + step - there) * way <= 0.0 else max(pinned * way, there * way) * way
+                pinned = way * min(way * (pinned + step), max(way * pinned, way * there))
                 there, total = _aligned(start + h, pinned, total, shape, coupling, free)
         before = x[i]
         out[i] = 3.0 * shape * total
