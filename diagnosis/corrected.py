@@ -20,7 +20,7 @@ from .emulator.emulation import GENERALISED, Emulator, SimulatorScene, emulate
 from .emulator.generalised import Generalised, motion_of, predict_generalised, spring_of
 from .emulator.kinds import KINDS
 from .emulator.motion import Motion
-from .hypotheses.evidence import Term, effect_columns, elsewhere, spans
+from .hypotheses.evidence import Term, are_behind, effect_columns, elsewhere, spans
 from .hypotheses.precision import told
 from .hypotheses.refitting import fitted_again
 from .names import MISCALIBRATION, UNKNOWN
@@ -36,6 +36,8 @@ ARRAYS = ("thresholds", "lengths", "elastic", "placed", "weights", "rates")
 NUMBERS = ("reach", "fast")
 PLAIN, FEWEST = 2, 5
 """Samples of a plain difference, and the fewest of a local cubic that tells a speed from noise."""
+BEHIND = "behind"
+"""Says in a model file that an effect acts on the deflection that the effects on the input leave."""
 CLEAR = 0.02
 """Noise of a plain difference, over the speed, that needs no smoothing."""
 INELASTIC = {"reach": 1.0, "elastic": [0.0], "thresholds": [], "lengths": [], "weights": []}
@@ -73,7 +75,7 @@ class CorrectedSimulator(HysteresisModel):
 
     ``from_parameters`` takes ``interval`` (s between samples, because effects depend on time), ``base`` (``model``: a
     registered id or ``"generalised"``, its ``parameters``, and for a registered model ``split``: parameters of the built-in
-    emulator, which tell its elastic part), ``effects`` (each ``effect``, ``form``, ``shape``, ``coefficients``) and
+    emulator, which tell its elastic part), ``effects`` (each ``effect``, ``form``, ``shape``, ``coefficients``, and ``behind`` if it acts on the deflection that those on the input leave) and
     ``window`` (samples of the local cubic that gives speeds of a noisy deflection; 2, the default, for differences) and ``sizes``
     (``reach``, ``stroke``, ``strongest`` of the recording on which the effects were found; by default those of what is predicted).
     """
@@ -125,12 +127,16 @@ class CorrectedSimulator(HysteresisModel):
             raise InputError("parameter effects must be a list")
         kept = []
         for k, entry in enumerate(effects):
-            if not isinstance(entry, Mapping) or set(entry) != {"effect", "form", "shape", "coefficients"}:
+            if not isinstance(entry, Mapping) or set(entry) - {BEHIND} != {"effect", "form", "shape", "coefficients"}:
                 raise InputError(f"parameter effects[{k}] must hold effect, form, shape and coefficients")
+            behind = entry.get(BEHIND, False)
+            if not isinstance(behind, bool):
+                raise InputError(f"parameter effects[{k}]: {BEHIND} must be true or false; it is {behind!r}")
             kept.append({
                 "effect": str(entry["effect"]), "form": str(entry["form"]),
                 "shape": [parameter_number("shape", v) for v in entry["shape"]],
                 "coefficients": [parameter_number("coefficients", v) for v in entry["coefficients"]],
+                **_told_if(behind),
             })  # fmt: skip
         return {
             "interval": interval, "base": {"model": str(base["model"]), **checked}, "effects": kept, "window": int(window),
@@ -183,11 +189,15 @@ class CorrectedSimulator(HysteresisModel):
             form = next((f for f in effect.forms(scene) if f.name == entry["form"]), None)
             # A form is absent only where it adds nothing (no torque yet that could saturate).
             if form is not None:
-                terms.append(Term(effect, form, tuple(entry["shape"])))
+                terms.append(Term(effect, form, tuple(entry["shape"]), behind=entry.get(BEHIND, False)))
                 coefficients += entry["coefficients"]
         guess = np.array(coefficients)
         columns = effect_columns(scene, terms, guess)
         return y + columns @ guess
+
+
+def _told_if(behind: bool) -> dict[str, bool]:
+    return {BEHIND: True} if behind else {}
 
 
 def _checked_sizes(given: Any) -> dict[str, float]:
@@ -270,11 +280,12 @@ def corrected_simulator(found: Diagnosis, emulator: Emulator) -> CorrectedSimula
     """
     entries = []
     terms, coefficients = elsewhere(_named(found), found.choice.hypothesis.coefficients)
+    behind = are_behind(terms)
     for term, own in zip(terms, spans(terms), strict=True):
         if not _follows_a_channel(found, term):
             entries.append({
                 "effect": term.effect.id, "form": term.form.name, "shape": list(term.shape),
-                "coefficients": coefficients[own].tolist(),
+                "coefficients": coefficients[own].tolist(), **_told_if(behind and term.behind),
             })  # fmt: skip
     base = (emulator if len(entries) == len(terms) else found.evidence.scene.emulator).parameters
     signals = found.signals
@@ -306,9 +317,12 @@ def formula(found: Diagnosis, emulator: Emulator) -> str:
             f"calibrate the simulator's own parameters anew: by and large its elastic torque times {spring:.3g}, "
             f"what has memory times {friction:.3g}"
         )
-    for term in _named(found):
+    terms = _named(found)
+    behind = " and ".join(term.effect.title for term in terms if term.tells_deflection) if are_behind(terms) else ""
+    for term in terms:
         equation = term.form.equation or term.effect.equation
-        lines += [f"add {term.effect.title} ({term.form.name}):", f"    {equation}"]
+        where = f", by the deflection that {behind} leaves" if behind and term.behind else ""
+        lines += [f"add {term.effect.title} ({term.form.name}){where}:", f"    {equation}"]
         equations.append(equation)
         described = {parameter.name: parameter for parameter in term.effect.parameters}
         between = found.parameter_intervals.get(term.effect.id, {})

@@ -322,6 +322,18 @@ def leaves(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 4.0 * x + (1.0 + e) * x**3 + friction
 
 
+def wedge(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Friction between envelopes that go with the torque of a hardening spring under a preload."""
+    spring = 0.9 * (1.0 - e) + 4.0 * (1.0 + e) * x + 3.0 * (1.0 - e) * x**3
+    force, out = 0.0, np.zeros(x.size)
+    out[0] = spring[0]
+    for i in range(1, x.size):
+        envelope = np.sign(x[i] - x[i - 1]) * (0.2 + 0.18 * (1.0 + e) * abs(spring[i]))
+        force = envelope + (force - envelope) * np.exp(-abs(x[i] - x[i - 1]) / (0.04 * (1.0 - e)))
+        out[i] = spring[i] + force
+    return out
+
+
 def lagging(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """Sliders whose torque is told late, each by its own time."""
     out = 3.0 * (1.0 + e) * x
@@ -558,6 +570,7 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "drive line": (drive_line, 0.01),
     "rolling": (rolling, 0.005),
     "leaves": (leaves, 0.001),
+    "wedge": (wedge, 0.001),
     "hardly yielding": (hardly_yielding, 0.0003),
     "lagging": (lagging, 0.01),
     "staged damper": (staged_damper, 0.01),

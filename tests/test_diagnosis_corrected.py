@@ -99,6 +99,7 @@ LAWS = {
     "teeth that spread under load": lambda time, x: (
         0.03 * np.abs(joint(x)) ** 1.2 * np.tanh(np.gradient(x, time) / 0.02)
     ),
+    "a wedge": lambda time, x: 0.02 * joint(x) ** 2 * np.tanh(np.gradient(x, time) / 0.02),
     "a sensor that compresses": lambda time, x: joint(x) * (0.15 - 0.008 * np.abs(joint(x))),
     "rollers that are pressed on": lambda time, x: 0.1 * pressed(x, np.abs(joint(x)), 0.05),
 }
@@ -116,6 +117,32 @@ def test_a_law_is_the_same_on_a_motion_of_another_size(law: str) -> None:
     small, other = motion(0.17, 0.83)
     other = 0.2 * other
     assert closed_by(again.predict(other), real(small, other), joint(other)) > 0.97
+
+
+@pytest.mark.parametrize(("effect", "periods", "size"), [("viscous_friction", 30.0, 0.3), ("inertia", 15.0, 0.01)])
+def test_what_a_joint_has_of_its_own_follows_its_own_motion_where_the_encoder_errs(
+    effect: str, periods: float, size: float
+) -> None:
+    """The encoder's error changes so fast along the way that its speed is quite another."""
+
+    def real(time: Floats, x: Floats) -> Floats:
+        turned = x
+        for _ in range(100):
+            turned = x + 0.012 * np.sin(periods * turned - 0.4)
+        speed = np.gradient(turned, time)
+        return joint(turned) + size * (np.gradient(speed, time) if effect == "inertia" else speed)
+
+    time, x = motion(0.31, 1.13)
+    found = diagnosed(real(time, x), joint(x), time, x)
+    assert set(found.verdict) == {"encoder_eccentricity", effect}
+    assert "by the deflection that encoder eccentricity leaves:" in formula(found, calibrated(found, None))
+    corrected = corrected_simulator(found, calibrated(found, None))
+    again = type(corrected).from_parameters(**corrected.parameters_)
+    other = motion(0.17, 0.83)
+    assert closed_by(again.predict(other[1]), real(*other), joint(other[1])) > 0.97
+    told = [{**entry, "behind": "yes"} for entry in corrected.parameters_["effects"]]
+    with pytest.raises(InputError, match="behind must be true or false; it is 'yes'"):
+        type(corrected).from_parameters(**{**corrected.parameters_, "effects": told})
 
 
 def test_wear_by_every_turn_goes_on_where_there_are_few() -> None:

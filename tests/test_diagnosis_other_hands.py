@@ -178,6 +178,10 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
     "damage by large strokes": (
         "cyclic_softening", lambda: joint(X) * (1.0 - 0.1 * np.cumsum(X**2 * np.abs(SPEED)) / np.sum(X**2 * np.abs(SPEED)))
     ),
+    "a wedge": ("load_dependent_friction", lambda: joint(X) + 0.02 * joint(X) ** 2 * SIGN),
+    "a seal that a load beyond its preload presses": (
+        "load_dependent_friction", lambda: joint(X) + 0.15 * np.maximum(np.abs(spring(X)) - 1.2, 0.0) * SIGN
+    ),
     "a polymer that yields under load": ("stress_relaxation", lambda: joint(X) - 0.12 * yielding(spring(X), 2.0, 1.5)),
     "thinning grease": ("viscous_friction", lambda: joint(X) + 0.15 * np.arcsinh(SPEED / 0.6)),
     "saturating grease": ("viscous_friction", lambda: joint(X) + 0.2 * np.arctan(SPEED / 0.9)),

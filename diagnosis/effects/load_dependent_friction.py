@@ -30,6 +30,9 @@ from .base import (
 __all__ = ["LoadDependentFriction"]
 BARELY = 1e-9
 """Load, over the largest, below which contacts hold nothing."""
+CURVED, POWER = 1.6, 2.5
+"""Powers of the load: from which it starts where friction is known to grow more than in proportion, and the highest that friction
+goes with, of contacts that spread or wedge."""
 CONTACTS = MappingProxyType({
     "presliding": ("pressed bristles", "dahl", yielding),
     "elastic presliding": ("pressed slider", "slip", slid),
@@ -78,6 +81,13 @@ def _powered(law: DirectionLaw, load: Callable[[Scene], Floats]) -> Callable[[Sc
         return (most * np.abs(load(scene) / most) ** shape[1] * law.signal(scene.signals, shape[0]))[:, None]
 
     return columns
+
+
+def _beyond(law: DirectionLaw, load: Callable[[Scene], Floats]) -> Callable[[Scene, tuple[float, ...]], Floats]:
+    """Contacts that only what exceeds a load presses together."""
+    return lambda scene, shape: (np.maximum(np.abs(load(scene)) - shape[1], 0.0) * law.signal(scene.signals, shape[0]))[
+        :, None
+    ]
 
 
 def _biased(law: DirectionLaw, load: Callable[[Scene], Floats]) -> Callable[[Scene, tuple[float, ...]], Floats]:
@@ -136,7 +146,7 @@ class LoadDependentFriction(Effect):
     title: ClassVar[str] = "load-dependent friction"
     summary: ClassVar[str] = "friction in proportion to the transmitted load (gear teeth, pulleys, pressed seals)"
     equation: ClassVar[str] = (
-        "y += μ |y_sim| s   (|load channel|, Y |y_sim/Y|^p with the largest torque Y or the elastic part in place of |y_sim|; μ' where the joint is driven "
+        "y += μ |y_sim| s   (|load channel|, Y |y_sim/Y|^p with the largest torque Y, max(|y_sim| − T, 0), or the elastic part in place of |y_sim|; μ' where the joint is driven "
         "back, or the load is negative; or |y_sim + bias|, or that on one side only; contacts of constant stiffness that give way at μ |y_sim|, or at μ' |y_sim|; or friction inside the joint that slides later under load)"
     )
     coordinate: ClassVar[str] = "load"
@@ -152,7 +162,8 @@ class LoadDependentFriction(Effect):
         Parameter("friction_coefficient_below", "1", 0.0, np.inf, "where the load is negative, if it differs there"),
         Parameter("bias", "N·m", -np.inf, np.inf, "load that the contacts carry besides: a weight, a preload"),
         Parameter("driven_ratio", "1", 0.1, 10.0, "μ' / μ"),
-        Parameter("power", "1", 0.4, 1.25, "p of the load"),
+        Parameter("power", "1", 0.4, POWER, "p of the load"),
+        Parameter("threshold", "N·m", 0.0, np.inf, "T, load beyond which the contacts are pressed together"),
         Parameter(
             "strength_gain", "1", 0.0, np.inf, "relative gain of the friction's strength under the largest torque"
         ),
@@ -176,6 +187,17 @@ class LoadDependentFriction(Effect):
         ]  # fmt: skip
         less = overdone_friction(made)
         carried = {"torque": loads["torque"], "elastic torque": PARTS["the spring"]}
+
+        def simpler(of: str, direction: str) -> tuple[str, ...]:
+            """Laws from which those start that are not in proportion to the load."""
+            # Where the load is mostly of one sign, friction that is not seems to differ by side.
+            by_torque = [f"by a power of torque, {direction}", f"by torque beyond a threshold, {direction}"]
+            return (
+                f"by {of}, {direction}",
+                f"by {of}, unequal sides, {direction}",
+                *(by_torque if of != "torque" else []),
+            )
+
         for law in laws:
             simple = (f"by torque, {law.name}",)
             made += [
@@ -191,8 +213,15 @@ class LoadDependentFriction(Effect):
                 ),
                 *(
                     Form(f"by a power of {of}, {law.name}", ("friction_coefficient",), _powered(law, load.of), (0.0,), (1.0,),
-                         (law.parameter, "power"), (), [law.limits, (0.4, 1.25)], (f"by {of}, {law.name}",), lambda shape, _: (*shape, 1.0),
+                         (law.parameter, "power"), (), [law.limits, (0.4, POWER)], simpler(of, law.name), lambda shape, _: (shape[0], 1.0 if len(shape) == 1 else CURVED),
                          borders=[NOT, LOW], equation=f"y += friction_coefficient * {most} * abs({load.symbol} / {most})**power * {law.equation}")
+                    for of, load in carried.items()
+                ),
+                *(
+                    Form(f"by {of} beyond a threshold, {law.name}", ("friction_coefficient",), _beyond(law, load.of), (0.0,), (np.inf,),
+                         (law.parameter, "threshold"), (), [law.limits, (0.02 * strongest, 0.8 * strongest)], simpler(of, law.name),
+                         lambda shape, _: (shape[0], 0.2 * strongest),
+                         equation=f"y += friction_coefficient * maximum(abs({load.symbol}) - threshold, 0) * {law.equation}")
                     for of, load in carried.items()
                 ),
                 *(

@@ -35,7 +35,7 @@ from .generalised import (
 )
 from .kinds import KINDS
 
-__all__ = ["GENERALISED", "Emulator", "SimulatorScene", "answers_of", "emulate"]
+__all__ = ["GENERALISED", "AskingScene", "Emulator", "SimulatorScene", "answers_of", "emulate"]
 
 Floats = NDArray[np.float64]
 # Registered models that compete with the built-in emulator, in seconds rather than minutes.
@@ -44,8 +44,8 @@ GENERALISED = "generalised"
 """Name of the built-in emulator among what rebuilds one."""
 RIVALLED = 0.002
 """Error, as a share of the output, from which they compete."""
-REMEMBERED = 48
-"""Effects' columns that are kept at a time."""
+REMEMBERED, PLACES = 48, 4
+"""Effects' columns, and scenes of other deflections, that are kept at a time."""
 SMALL, GAIN_STEP, GAINS = 0.05, 0.25, (-0.78, 2.5)
 """Relative gain of friction's strength that counts as small, steps of its logarithm at which the change is computed, and between
 which gains."""
@@ -113,6 +113,9 @@ class SimulatorScene:
         """Whether the torque was asked for since this was last looked at."""
         self._of_torque: set[Hashable] = set()
         self._remembered: OrderedDict[Hashable, tuple[Floats, bool]] = OrderedDict()
+        self._moved: OrderedDict[Hashable, SimulatorScene] = OrderedDict()
+        self._origin: SimulatorScene | None = None
+        """The scene of the recorded deflection, where this one is of another."""
         self._lasting: dict[str, Any] = {
             name: given for name, given in (("emulator", emulator), ("base", base)) if given is not None
         }
@@ -165,7 +168,10 @@ class SimulatorScene:
     @property
     def friction(self) -> Floats:
         """The part of the simulator's output that has memory, N·m, shape (n,)."""
-        return self.signals.y_sim - self.spring
+        output = self.signals.y_sim
+        if self._origin is not None:
+            output = output + self._base - self._origin._base
+        return output - self.spring
 
     @property
     def strength(self) -> Floats:
@@ -234,8 +240,43 @@ class SimulatorScene:
     def with_torque(self, torque: Floats) -> SimulatorScene:
         """The same scene after effects that changed the torque."""
         scene = SimulatorScene(self.signals, torque=torque)
-        scene._lasting, scene._of_torque = self._lasting, self._of_torque
+        scene._lasting, scene._of_torque, scene._origin = self._lasting, self._of_torque, self._origin
         return scene
+
+    def asking(self) -> AskingScene:
+        """The same scene, which notes what effects ask for and remembers their columns as this one does."""
+        scene = AskingScene(self.signals, torque=self._torque)
+        scene._lasting, scene._of_torque, scene._remembered = self._lasting, self._of_torque, self._remembered
+        return scene
+
+    def moved_to(self, key: Hashable, deflection: Callable[[], Floats]) -> SimulatorScene:
+        """The scene of a joint that moves by ``deflection()`` (n,), rad, while its sensor says what was recorded; kept for ``key``."""
+        if key not in self._moved:
+            x, signals = deflection(), self.signals
+            recorded = None if signals.recorded is None else signals.recorded + x - signals.x
+            # Numbers in laws are told in the sizes of the recording.
+            moved = replace(signals, x=x, recorded=recorded, sizes=signals.told_in)
+            scene = SimulatorScene(moved, self.emulator, self._torque)
+            scene._of_torque, scene._origin = self._of_torque, self
+            self._moved[key] = scene
+            if len(self._moved) > PLACES:
+                self._moved.popitem(last=False)
+        self._moved.move_to_end(key)
+        return self._moved[key]
+
+
+class AskingScene(SimulatorScene):
+    """Notes the deflection at which an effect last asked for the simulator's torque."""
+
+    asked: Floats | None = None
+
+    def torque_change(self, x: Floats) -> Floats:
+        self.asked = x
+        return super().torque_change(x)
+
+    def held_at(self, x: Floats) -> Floats:
+        self.asked = x
+        return super().held_at(x)
 
 
 def emulate(signals: Signals, model: Any | None) -> Emulator:

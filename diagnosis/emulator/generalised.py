@@ -74,14 +74,15 @@ class Generalised:
         self.fast = max(float(np.std(signals.speed)), 1e-300)
         self._choices: dict[tuple[bool, str], Choices] = {}
         """Along the motion from where memory begins, by its derivatives; of use only until all is identified."""
-        self._find_anywhere(anywhere, [name for name in KINDS if name != KERNELS])
+        self.placing = [name for name in KINDS if name != KERNELS]
+        self._find_anywhere(anywhere)
         if self.error > TABLED:
-            self._take_if_closer(lambda: self._find_kernels(anywhere), CLEARLY)
+            self._take_if_closer(self._find_kernels, CLEARLY)
         self._choices.clear()
 
-    def _find_anywhere(self, anywhere: bool, placing: Collection[str]) -> None:
-        """Identify all, with those in ``placing`` of the kinds that are moved, of a simulator whose memory may begin ``anywhere``."""
-        signals, self.placing = self.signals, placing
+    def _find_anywhere(self, anywhere: bool) -> None:
+        """Identify all, of a simulator whose memory may begin ``anywhere``."""
+        signals = self.signals
         self.known = np.ones(signals.x.size, dtype=np.bool_)
         starts = max(abs(float(signals.x[run][0])) for run in signals.runs)
         self._find_either(anywhere and starts > ELSEWHERE * self.reach)
@@ -230,9 +231,13 @@ class Generalised:
             if np.any(weights)
         }
 
-    def _find_kernels(self, anywhere: bool) -> None:
-        """Identify all with kernels: many of them follow much that is another law, so by themselves, and only where none was found."""
-        self._find_anywhere(anywhere, [KERNELS])
+    def _find_kernels(self) -> None:
+        """Identify all with kernels: many of them follow much that is another law, so by themselves, and only where none was found.
+
+        Where memory began, and until when it is not known, was found without them.
+        """
+        self.placing = [KERNELS]
+        self._find(self.begun)
         if KERNELS not in self.further:
             self.error = np.inf
 

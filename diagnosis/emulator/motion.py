@@ -165,6 +165,11 @@ class Extent:
         return np.array([self.reach, 1.0, 1.0 / self.reach])
 
     @property
+    def loaded_leaf(self) -> Floats:
+        """The same of such friction pressed by a spring: rad, 1, 1/rad, rad, 1/rad²; shape (5,)."""
+        return np.array([self.reach, 1.0, 1.0 / self.reach, self.reach, 1.0 / self.reach**2])
+
+    @property
     def lever(self) -> Floats:
         """The same of a slider on a lever that changes with the deflection: rad, 1/rad, 1/rad²; shape (3,)."""
         return np.array([self.reach, 1.0 / self.reach, 1.0 / self.reach**2])

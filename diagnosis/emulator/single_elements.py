@@ -99,9 +99,13 @@ def pressed_by_speed(motion: Motion, pace: float, power: float) -> Floats:
     return np.asarray(np.tanh(motion.speed / pace) * np.abs(motion.x) ** power)
 
 
-def leaves(motion: Motion, length: float, back: float, growth: float) -> Floats:
-    """Friction between leaves, which are pressed together the more the farther they are bent."""
-    return length * motion.from_rest(enveloped, length=length, back=back, growth=growth)
+def leaves(
+    motion: Motion, length: float, back: float, growth: float, place: float = 0.0, hardening: float = 0.0
+) -> Floats:
+    """Friction between leaves, which are pressed together the more the farther they are bent, or by a spring that hardens."""
+    return length * motion.from_rest(
+        enveloped, length=length, back=back, growth=growth, place=place, hardening=hardening
+    )
 
 
 def capstan(motion: Motion, length: float, exponent: float, wrap: float, growth: float) -> Floats:

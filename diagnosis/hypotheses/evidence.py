@@ -76,6 +76,8 @@ class Term:
     shape: tuple[float, ...]
     laws: int = 1
     """How many laws of the effect were tried."""
+    behind: bool = False
+    """Whether it acts on the joint's own deflection, as effects on the input leave it, and not on the recorded one."""
 
     @property
     def law(self) -> tuple[str, str]:
@@ -86,6 +88,11 @@ class Term:
     def is_an_image(self) -> bool:
         """Whether a shape has run to where another effect begins, whose image the law is there."""
         return self.form.is_at_a_border(self.shape)
+
+    @property
+    def tells_deflection(self) -> bool:
+        """Whether its shape alone says by which deflection the joint moves."""
+        return self.effect.acts_on == INPUT and tuple(self.form.lower) == tuple(self.form.upper)
 
 
 @dataclass
@@ -404,8 +411,10 @@ def effect_columns(scene: SimulatorScene, terms: Sequence[Term], guess: Floats |
     ``guess`` are coefficients, shape (k,), from which that torque is made.
     """
     made: list[Floats] = []
-    ordered = sorted(terms, key=lambda term: ORDER[term.effect.acts_on])
+    recorded, ordered = scene, sorted(terms, key=lambda term: ORDER[term.effect.acts_on])
+    own_motion = _of_the_joint(scene, ordered)
     for term, at in zip(ordered, spans(ordered), strict=True):
+        scene = own_motion if term.behind else recorded
         follows = guess is not None and bool(made) and ORDER[term.effect.acts_on] > 0
         if guess is None or not (term.form.about or (follows and scene.is_of_torque(term.law))):
             # A search moves one shape at a time: the other terms' columns are there already.
@@ -426,6 +435,29 @@ def effect_columns(scene: SimulatorScene, terms: Sequence[Term], guess: Floats |
     return np.hstack(made) if made else np.empty((scene.signals.x.size, 0))
 
 
+def are_behind(terms: Sequence[Term]) -> bool:
+    """Whether some of the terms act on a deflection that others tell."""
+    return any(term.behind for term in terms) and any(term.tells_deflection for term in terms)
+
+
+def _of_the_joint(scene: SimulatorScene, terms: Sequence[Term]) -> SimulatorScene:
+    """The scene at the deflection by which the joint moves, as effects on the input leave it, where some act on that."""
+    if not are_behind(terms):
+        return scene
+    telling = [term for term in terms if term.tells_deflection]
+
+    def deflection() -> Floats:
+        x = scene.signals.x.copy()
+        for term in telling:
+            asking = scene.asking()
+            term.form.columns(asking, term.shape)
+            if asking.asked is not None:
+                x += asking.asked - scene.signals.x
+        return x
+
+    return scene.moved_to(tuple((term.law, term.shape) for term in telling), deflection)
+
+
 def spans(terms: Sequence[Term]) -> list[slice]:
     """Where the columns and the coefficients of each term stand among those of all."""
     ends = np.cumsum([0, *(len(term.form.coefficients) for term in terms)]).tolist()
@@ -444,11 +476,13 @@ def elsewhere(terms: Sequence[Term], coefficients: Floats) -> tuple[list[Term], 
 
 def passes_of(scene: SimulatorScene, terms: Sequence[Term]) -> int:
     """How often coefficients must be known to make the columns: where some of the terms, in their order, act on what those before
-    made, or are not linear.
+    made or where they leave the joint, or are not linear.
     """
     if any(term.form.about for term in terms):
         return 2
-    return int(any(ORDER[term.effect.acts_on] > 0 and scene.is_of_torque(term.law) for term in terms[1:]))
+    return int(
+        are_behind(terms) or any(ORDER[term.effect.acts_on] > 0 and scene.is_of_torque(term.law) for term in terms[1:])
+    )
 
 
 def count_unknowns(terms: Sequence[Term]) -> int:

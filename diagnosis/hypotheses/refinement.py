@@ -98,7 +98,7 @@ class _Places:
         shapes = [list(term.shape) for term in self._terms]
         for (i, j), value in zip(self.slots, decoded, strict=True):
             shapes[i][j] = float(value)
-        return tuple(Term(t.effect, t.form, tuple(s), t.laws) for t, s in zip(self._terms, shapes, strict=True))
+        return tuple(replace(t, shape=tuple(s)) for t, s in zip(self._terms, shapes, strict=True))
 
 
 class _Profile:

@@ -19,7 +19,7 @@ from scipy.optimize import minimize_scalar
 from ...bench.arguments import time_argument
 from ...errors import InputError
 from ..effects.base import INPUT, Effect, Form
-from ..emulator.emulation import Emulator, SimulatorScene, answers_of
+from ..emulator.emulation import AskingScene, Emulator, SimulatorScene, answers_of
 from ..recording.signals import Signals
 from .boxed import boxed_least_squares
 
@@ -119,20 +119,6 @@ def _again(signals: Signals, model: Any, emulator: Emulator, x: Floats, y: Float
     return _Refit(scene, float(np.sum(np.square(y - reached)[signals.judged])))
 
 
-class _Asking(SimulatorScene):
-    """Notes the deflection at which an effect last asked for the simulator's torque."""
-
-    asked: Floats | None = None
-
-    def torque_change(self, x: Floats) -> Floats:
-        self.asked = x
-        return super().torque_change(x)
-
-    def held_at(self, x: Floats) -> Floats:
-        self.asked = x
-        return super().held_at(x)
-
-
 def _best_on_input(effect: Effect, signals: Signals, model: Any, first: _Refit) -> _Refit | None:
     """The model fitted to the deflection that the effect leaves, for the law and the size beside which it fits best.
 
@@ -153,7 +139,7 @@ def _best_beside(law: Form, signals: Signals, model: Any, first: _Refit) -> _Ref
     def left(size: float) -> float:
         # Where the effect acts may depend on the torque: the model fitted beside a smaller one tells it.
         emulator = last.scene.emulator
-        scene = _Asking(signals, emulator, base=last.scene.torque)
+        scene = AskingScene(signals, emulator, base=last.scene.torque)
         law.columns(scene, (size,))
         found = None if scene.asked is None else _again(signals, model, emulator, scene.asked, signals.y_real)
         if found is None:

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..effects.base import Effect, Form
+from ..effects.base import TORQUE, Effect, Form
 from .adequacy import left_by
 from .boxed import boxed_least_squares
-from .evidence import FINE, Evidence, Hypothesis, Scale, Term, count_unknowns, is_refitted, spans
+from .evidence import FINE, Evidence, Hypothesis, Scale, Term, are_behind, count_unknowns, is_refitted, spans
 from .refinement import refine, refine_anyhow
 
 __all__ = ["NOTHING", "Library", "search", "successors"]
@@ -275,9 +275,20 @@ def _refined(evidence: Evidence, terms: Sequence[Term], scales: Sequence[Scale] 
     Beside an exact one only some are, where a refitted one is likelier: see :func:`_beside_exact`.
     """
     if len(terms) > 1:
-        return refine_anyhow(evidence, terms, IN_COMPANY)
+        return _or_behind(evidence, refine_anyhow(evidence, terms, IN_COMPANY))
     refined = refine(evidence, evidence.fit(terms, scales), 10, scales)
     return evidence.fit(refined.terms) if scales else refined
+
+
+def _or_behind(evidence: Evidence, fitted: Hypothesis, scales: Sequence[Scale] = ()) -> Hypothesis:
+    """The same, or with effects that act on the joint's own deflection where those on the input tell it, whichever is better."""
+    terms = [replace(term, behind=term.effect.acts_on == TORQUE) for term in fitted.terms]
+    if not are_behind(terms) or are_behind(fitted.terms):
+        return fitted
+    behind = evidence.fit(terms, scales)
+    if behind.score <= fitted.score:
+        return fitted
+    return refine(evidence, behind, IN_COMPANY, scales)
 
 
 def _leaves_nothing(evidence: Evidence, hypothesis: Hypothesis, detail: float = DETAIL) -> bool:
@@ -349,7 +360,8 @@ def _pairs_beside_exact(
     made = []
     for numbers in list(pairs.values())[:PAIRS]:
         start = evidence.fit([library.terms[k] for k in numbers], evidence.exact)
-        fitted = evidence.fit(refine(evidence, start, IN_COMPANY, evidence.exact).terms)
+        refined = refine(evidence, start, IN_COMPANY, evidence.exact)
+        fitted = evidence.fit(_or_behind(evidence, refined, evidence.exact).terms)
         made += [(better, numbers) for better in (fitted, *_siblings(evidence, fitted))]
     return made
 

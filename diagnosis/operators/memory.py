@@ -57,13 +57,14 @@ def _bristle(x, length, out):
 
 
 @njit(cache=True)
-def _enveloped(x, length, back, growth, out):
+def _enveloped(x, length, back, growth, place, hardening, out):
     f = 0.0
     out[0] = 0.0
     for i in range(1, x.size):
         moved = x[i] - x[i - 1]
         towards, over = (1.0, length) if moved > 0.0 else (-1.0, length * back)
-        towards *= 1.0 + growth * abs(x[i])
+        # What the spring of a load that is nil at ``place`` has there, over its stiffness.
+        towards *= 1.0 + growth * abs((x[i] - place) * (1.0 + hardening * (x[i] * (x[i] + place) + place * place)))
         f = towards + (f - towards) * np.exp(-abs(moved) / over)
         out[i] = f
 
@@ -350,13 +351,17 @@ def bristle(x: Floats, length: float) -> Floats:
     return out
 
 
-def enveloped(x: Floats, length: float, back: float, growth: float) -> Floats:
+def enveloped(
+    x: Floats, length: float, back: float, growth: float, place: float = 0.0, hardening: float = 0.0
+) -> Floats:
     """A bristle between envelopes ±(1 + ``growth`` |x|) over ``x`` (n,), rad, from rest, shape (n,).
 
     It builds up over ``length``, rad, and on the way down over ``back`` times as much (Fancher et al., SAE paper 800905, 1980).
+    The envelope goes with the torque of a spring that is nil at ``place``, rad, and hardens by ``hardening``, 1/rad².
     """
     out = np.empty(x.size)
-    _enveloped(np.ascontiguousarray(x), float(length), float(back), float(growth), out)
+    envelope = float(growth), float(place), float(hardening)
+    _enveloped(np.ascontiguousarray(x), float(length), float(back), *envelope, out)
     return out
 
 
