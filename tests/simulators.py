@@ -322,6 +322,14 @@ def leaves(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 4.0 * x + (1.0 + e) * x**3 + friction
 
 
+def coupling(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """A magnetic coupling that would pull out, with domains that saturate."""
+    domains = np.zeros(x.size)
+    for length in (0.08, 0.12, 0.2, 0.33):
+        domains += np.tanh(1.6 * sliders(x, ((1.0 / length, 1.0 + e),)))
+    return 2.5 * (1.0 - e) * np.sin(1.1 * (1.0 + e) * x) + 0.5 * (1.0 + e) * domains
+
+
 def wedge(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """Friction between envelopes that go with the torque of a hardening spring under a preload."""
     spring = 0.9 * (1.0 - e) + 4.0 * (1.0 + e) * x + 3.0 * (1.0 - e) * x**3
@@ -571,6 +579,7 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "rolling": (rolling, 0.005),
     "leaves": (leaves, 0.001),
     "wedge": (wedge, 0.001),
+    "coupling": (coupling, 0.005),
     "hardly yielding": (hardly_yielding, 0.0003),
     "lagging": (lagging, 0.01),
     "staged damper": (staged_damper, 0.01),

@@ -49,6 +49,7 @@ from .single_elements import (
     ripple,
     rubber,
     rubber_splined,
+    saturating,
     slipping,
     stops,
     stribeck,
@@ -328,6 +329,14 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         limits=lambda extent: np.array([
             [0.003 * extent.reach, 0.1 * extent.reach, 0.5], [1.0 * extent.reach, 30.0 * extent.reach, 4.0],
         ]),
+    ),
+    # Magnetic couplings and piezo stages: stops that share an envelope, as plays do in generalised Prandtl-Ishlinskii models.
+    "a few stops that saturate": Kind(
+        MEMORY, True,
+        lambda extent: with_each(extent.reach * np.geomspace(0.01, 1.0, 8), (0.7,), (1.5,), (3.0,)),
+        saturating,
+        limits=lambda extent: np.array([[0.003 * extent.reach, 0.1], [2.0 * extent.reach, 6.0]]),
+        shared=(1,),
     ),
     # Timber, bolts and concrete: a loop that is slack in its middle.
     "a few pinched sliders": Kind(

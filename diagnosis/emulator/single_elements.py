@@ -282,6 +282,12 @@ def stops(motion: Motion, sizes: Floats) -> Floats:
     return np.asarray(motion.path[:, None] - played[:, which])
 
 
+def saturating(motion: Motion, sizes: Floats) -> Floats:
+    """The same whose torque saturates within the first size, by the hyperbolic tangent of up to the second."""
+    length, curvature = sizes.T
+    return np.asarray(length * np.tanh(curvature * stops(motion, sizes) / length) / np.tanh(curvature))
+
+
 def beyond_clearance(motion: Motion, length: float, clearance: float) -> Floats:
     """A stop that engages beyond ``clearance`` (rad) on either side of the middle: a later stage of a torsional damper."""
     engaged = motion.path - np.clip(motion.path, -clearance, clearance)
