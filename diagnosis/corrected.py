@@ -75,9 +75,10 @@ class CorrectedSimulator(HysteresisModel):
 
     ``from_parameters`` takes ``interval`` (s between samples, because effects depend on time), ``base`` (``model``: a
     registered id or ``"generalised"``, its ``parameters``, and for a registered model ``split``: parameters of the built-in
-    emulator, which tell its elastic part), ``effects`` (each ``effect``, ``form``, ``shape``, ``coefficients``, and ``behind`` if it acts on the deflection that those on the input leave) and
-    ``window`` (samples of the local cubic that gives speeds of a noisy deflection; 2, the default, for differences) and ``sizes``
-    (``reach``, ``stroke``, ``strongest`` of the recording on which the effects were found; by default those of what is predicted).
+    emulator, which tell its elastic part), ``effects`` (each ``effect``, ``form``, ``shape``, ``coefficients``, and ``behind``
+    if it acts on the deflection that those on the input leave) and ``window`` (samples of the local cubic that gives speeds of a
+    noisy deflection; 2, the default, for differences) and ``sizes`` (``reach``, ``stroke``, ``strongest`` of the recording on
+    which the effects were found; by default those of what is predicted).
     """
 
     id: ClassVar[str] = "corrected-simulator"

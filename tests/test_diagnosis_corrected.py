@@ -135,6 +135,8 @@ def test_what_a_joint_has_of_its_own_follows_its_own_motion_where_the_encoder_er
     time, x = motion(0.31, 1.13)
     found = diagnosed(real(time, x), joint(x), time, x)
     assert set(found.verdict) == {"encoder_eccentricity", effect}
+    (law,) = [reported.law for reported in found.effects if reported.name == effect]
+    assert law.endswith(", by the joint's own motion")
     assert "by the deflection that encoder eccentricity leaves:" in formula(found, calibrated(found, None))
     corrected = corrected_simulator(found, calibrated(found, None))
     again = type(corrected).from_parameters(**corrected.parameters_)

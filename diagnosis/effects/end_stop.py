@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import Columns, Effect, Floats, Form, Parameter, Scene
+from .base import PRESLIDING, Columns, Effect, Floats, Form, Parameter, Scene, direction_laws
 from .images import is_one_sided_stiffness
 
 __all__ = ["EndStop"]
@@ -62,13 +62,15 @@ def _contact(side: float, power: float | None = None) -> Columns:
 def _rubbing(side: float) -> Columns:
     """A stop that rubs as it is pressed: its flank, or rubber that loses a share of its work however slowly it is pressed.
 
-    It gives back no more than it took and never pulls: what rubs is added to what it gives back while it is pressed.
+    It gives back no more than it took and never pulls: what rubs is added to what it gives back while it is pressed. A last shape
+    is the speed within which that turns round; by default it does within a distance.
     """
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        signals = scene.signals
-        back = side * _depth(scene, side, shape[0]) ** shape[-1]
-        return np.column_stack([back, back * 0.5 * (1.0 + side * signals.bristle(TURNED * signals.reach))])
+        signals, (at, power, *pace) = scene.signals, shape
+        back = side * _depth(scene, side, at) ** power
+        direction = np.tanh(signals.certain_speed / pace[0]) if pace else signals.bristle(TURNED * signals.reach)
+        return np.column_stack([back, back * 0.5 * (1.0 + side * direction)])
 
     return columns
 
@@ -128,9 +130,9 @@ def _lossy(side: str, power: float | str, damping: str) -> str:
     return f"{'-' * (side == 'lower')}{_term(side, power)} + {damping} * v * {touched}"
 
 
-def _rubs(side: str, lost: str, turned: float) -> str:
+def _rubs(side: str, lost: str, direction: str) -> str:
     sign = "-" if side == "lower" else "+"
-    taken = f"{lost} * {DEPTHS[side]}**power * (1 {sign} dahl(x, {turned:.8g})) / 2"
+    taken = f"{lost} * {DEPTHS[side]}**power * (1 {sign} {direction}) / 2"
     return f"{'-' * (side == 'lower')}{_term(side, 'power')} {sign} {taken}"
 
 
@@ -198,6 +200,7 @@ class EndStop(Effect):
             "d0, depth at which a rubber bumper would be flat, or over which its torque grows e-fold",
         ),
         Parameter("power", "1", *POWERS, "p of the depth"),
+        *(parameter for parameter in PRESLIDING if parameter.name == "transition_speed"),
         Parameter("upper", "rad", -np.inf, np.inf, "deflection a at which the upper stop is touched"),
         Parameter("lower", "rad", -np.inf, np.inf, "−deflection a' at which the lower stop is touched"),
     )
@@ -214,6 +217,8 @@ class EndStop(Effect):
         up, top = _ends(x, middle, reach)
         down, bottom = _ends(-x, -middle, reach)
         span, interval = float(scene.signals.elapsed.max()), scene.signals.interval
+        turned = f"dahl(x, {TURNED * reach:.8g})"
+        by_speed = next(law for law in direction_laws(scene) if law.parameter == "transition_speed")
         relaxation, soon = (min(4.0 * interval, 0.01 * span), 0.04 * span), 0.01 * span
         made = []
         for power, told in ((1.0, ""), (1.5, ", Hertz")):
@@ -239,7 +244,11 @@ class EndStop(Effect):
                      lambda shape, _: (*shape, 1.25), equation=f"y += {_lossy(told, 'power', 'damping')}"),
                 Form(f"{told}, lossy", (names[0], "lost_stiffness"), _rubbing(side), (0.0, 0.0), (np.inf, np.inf), (told, "power"), (),
                      [limits, POWERS], (told, f"{told}, Hertz"), lambda shape, _: (*shape, 1.1),
-                     equation=f"y += {_rubs(told, 'lost_stiffness', TURNED * reach)}"),
+                     equation=f"y += {_rubs(told, 'lost_stiffness', turned)}"),
+                Form(f"{told}, lossy by speed", (names[0], "lost_stiffness"), _rubbing(side), (0.0, 0.0), (np.inf, np.inf),
+                     (told, "power", by_speed.parameter), (), [limits, POWERS, by_speed.limits], (told, f"{told}, Hertz"),
+                     lambda shape, _: (*shape, 1.1, by_speed.grid[-1]),
+                     equation=f"y += {_rubs(told, 'lost_stiffness', by_speed.equation)}"),
                 Form(f"{told}, relaxing", (names[0], "relaxing"), _relaxing(side), (0.0, 0.0), (np.inf, np.inf),
                      (told, "time_constant"), (), [limits, relaxation], (told,), lambda shape, _: (*shape, soon),
                      equation=f"y {'-' if side < 0.0 else '+'}= {_relaxes(told, 'relaxing')}"),
@@ -264,7 +273,11 @@ class EndStop(Effect):
                  equation=f"y += {_lossy('upper', 'power', 'damping')} + {_lossy('lower', 'power', 'damping_lower')}"),
             Form("both, lossy", (*all_four[:2], "lost_stiffness", "lost_stiffness_lower"), _both(_rubbing), *any_size,
                  ("upper", "lower", "power"), (), [*ends, POWERS], ("both", "both, Hertz"), lambda shape, _: (*shape, 1.1),
-                 equation=f"y += {_rubs('upper', 'lost_stiffness', TURNED * reach)} + {_rubs('lower', 'lost_stiffness_lower', TURNED * reach)}"),
+                 equation=f"y += {_rubs('upper', 'lost_stiffness', turned)} + {_rubs('lower', 'lost_stiffness_lower', turned)}"),
+            Form("both, lossy by speed", (*all_four[:2], "lost_stiffness", "lost_stiffness_lower"), _both(_rubbing), *any_size,
+                 ("upper", "lower", "power", by_speed.parameter), (), [*ends, POWERS, by_speed.limits], ("both", "both, Hertz"),
+                 lambda shape, _: (*shape, 1.1, by_speed.grid[-1]),
+                 equation=f"y += {_rubs('upper', 'lost_stiffness', by_speed.equation)} + {_rubs('lower', 'lost_stiffness_lower', by_speed.equation)}"),
             Form("both, relaxing", (*all_four[:2], "relaxing", "relaxing_lower"), _both(_relaxing), *any_size,
                  ("upper", "lower", "time_constant"), (), [*ends, relaxation], ("both",), lambda shape, _: (*shape, soon),
                  equation=f"y += {_relaxes('upper', 'relaxing')} - {_relaxes('lower', 'relaxing_lower')}"),

@@ -30,9 +30,12 @@ from .base import (
 __all__ = ["LoadDependentFriction"]
 BARELY = 1e-9
 """Load, over the largest, below which contacts hold nothing."""
-CURVED, POWER = 1.6, 2.5
+BY_SPEED = "transition_speed"
+"""Of the law of direction that may go with a high power of the load, or with what that has beyond a threshold. What builds up over a
+distance as well passes for a clearance, as a cycloidal drive's was taken for it."""
+CURVED, POWER, PRESLIDING_POWER = 1.6, 2.5, 1.25
 """Powers of the load: from which it starts where friction is known to grow more than in proportion, and the highest that friction
-goes with, of contacts that spread or wedge."""
+goes with, of contacts that spread or wedge, by speed and else."""
 CONTACTS = MappingProxyType({
     "presliding": ("pressed bristles", "dahl", yielding),
     "elastic presliding": ("pressed slider", "slip", slid),
@@ -85,9 +88,12 @@ def _powered(law: DirectionLaw, load: Callable[[Scene], Floats]) -> Callable[[Sc
 
 def _beyond(law: DirectionLaw, load: Callable[[Scene], Floats]) -> Callable[[Scene, tuple[float, ...]], Floats]:
     """Contacts that only what exceeds a load presses together."""
-    return lambda scene, shape: (np.maximum(np.abs(load(scene)) - shape[1], 0.0) * law.signal(scene.signals, shape[0]))[
-        :, None
-    ]
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        pressing = np.maximum(np.abs(load(scene)) - shape[1], 0.0)
+        return (pressing * law.signal(scene.signals, shape[0]))[:, None]
+
+    return columns
 
 
 def _biased(law: DirectionLaw, load: Callable[[Scene], Floats]) -> Callable[[Scene, tuple[float, ...]], Floats]:
@@ -188,9 +194,11 @@ class LoadDependentFriction(Effect):
         less = overdone_friction(made)
         carried = {"torque": loads["torque"], "elastic torque": PARTS["the spring"]}
 
+        def steepest(law: DirectionLaw) -> float:
+            return POWER if law.parameter == BY_SPEED else PRESLIDING_POWER
+
         def simpler(of: str, direction: str) -> tuple[str, ...]:
-            """Laws from which those start that are not in proportion to the load."""
-            # Where the load is mostly of one sign, friction that is not seems to differ by side.
+            """Laws from which those start that are not in proportion to the load, and seem to differ by side at first."""
             by_torque = [f"by a power of torque, {direction}", f"by torque beyond a threshold, {direction}"]
             return (
                 f"by {of}, {direction}",
@@ -213,7 +221,7 @@ class LoadDependentFriction(Effect):
                 ),
                 *(
                     Form(f"by a power of {of}, {law.name}", ("friction_coefficient",), _powered(law, load.of), (0.0,), (1.0,),
-                         (law.parameter, "power"), (), [law.limits, (0.4, POWER)], simpler(of, law.name), lambda shape, _: (shape[0], 1.0 if len(shape) == 1 else CURVED),
+                         (law.parameter, "power"), (), [law.limits, (0.4, steepest(law))], simpler(of, law.name), lambda shape, _: (shape[0], 1.0 if len(shape) == 1 else CURVED),
                          borders=[NOT, LOW], equation=f"y += friction_coefficient * {most} * abs({load.symbol} / {most})**power * {law.equation}")
                     for of, load in carried.items()
                 ),
@@ -222,7 +230,7 @@ class LoadDependentFriction(Effect):
                          (law.parameter, "threshold"), (), [law.limits, (0.02 * strongest, 0.8 * strongest)], simpler(of, law.name),
                          lambda shape, _: (shape[0], 0.2 * strongest),
                          equation=f"y += friction_coefficient * maximum(abs({load.symbol}) - threshold, 0) * {law.equation}")
-                    for of, load in carried.items()
+                    for of, load in (carried.items() if law.parameter == BY_SPEED else ())
                 ),
                 *(
                     Form(f"by {of}, unequal sides, {law.name}", ("friction_coefficient", "friction_coefficient_below"),

@@ -114,6 +114,7 @@ class SimulatorScene:
         self._of_torque: set[Hashable] = set()
         self._remembered: OrderedDict[Hashable, tuple[Floats, bool]] = OrderedDict()
         self._moved: OrderedDict[Hashable, SimulatorScene] = OrderedDict()
+        """Scenes of other deflections, by what tells these."""
         self._origin: SimulatorScene | None = None
         """The scene of the recorded deflection, where this one is of another."""
         self._lasting: dict[str, Any] = {

@@ -455,13 +455,13 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         limits=lambda extent: extent.leaf * [[0.002, 0.1, 0.01], [2.0, 10.0, 10.0]],
         all_along=True,
     ),
-    # The same pressed by a spring with a preload that hardens.
+    # The same pressed by a spring with a preload that hardens, nil well within the stroke: else it stands in for what was before.
     "a few leaves under a preload": Kind(
         MEMORY, True,
         lambda extent: extent.loaded_leaf * with_each(np.geomspace(0.01, 0.3, 6), *itertools.product((1.0,), (0.5, 2.0), (-0.2, 0.0, 0.2), (0.01, 1.0))),
         by_row(leaves),
         {1: (0.0, np.inf)},
-        limits=lambda extent: extent.loaded_leaf * [[0.002, 0.1, 0.01, -0.8, 0.001], [2.0, 10.0, 30.0, 0.8, 30.0]],
+        limits=lambda extent: extent.loaded_leaf * [[0.002, 0.1, 0.01, -0.5, 0.001], [2.0, 10.0, 30.0, 0.5, 30.0]],
         later=(1, 4),
         signed=(3,),
         all_along=True,
