@@ -20,7 +20,7 @@ from .emulator.emulation import GENERALISED, Emulator, SimulatorScene, emulate
 from .emulator.generalised import Generalised, motion_of, predict_generalised, spring_of
 from .emulator.kinds import KINDS
 from .emulator.motion import Motion
-from .hypotheses.evidence import Term, are_behind, effect_columns, elsewhere, spans
+from .hypotheses.evidence import Term, effect_columns, elsewhere, spans, those_behind
 from .hypotheses.precision import told
 from .hypotheses.refitting import fitted_again
 from .names import MISCALIBRATION, UNKNOWN
@@ -281,12 +281,12 @@ def corrected_simulator(found: Diagnosis, emulator: Emulator) -> CorrectedSimula
     """
     entries = []
     terms, coefficients = elsewhere(_named(found), found.choice.hypothesis.coefficients)
-    behind = are_behind(terms)
+    behind = those_behind(terms)
     for term, own in zip(terms, spans(terms), strict=True):
         if not _follows_a_channel(found, term):
             entries.append({
                 "effect": term.effect.id, "form": term.form.name, "shape": list(term.shape),
-                "coefficients": coefficients[own].tolist(), **_told_if(behind and term.behind),
+                "coefficients": coefficients[own].tolist(), **_told_if(term in behind),
             })  # fmt: skip
     base = (emulator if len(entries) == len(terms) else found.evidence.scene.emulator).parameters
     signals = found.signals
@@ -319,10 +319,10 @@ def formula(found: Diagnosis, emulator: Emulator) -> str:
             f"what has memory times {friction:.3g}"
         )
     terms = _named(found)
-    behind = " and ".join(term.effect.title for term in terms if term.tells_deflection) if are_behind(terms) else ""
+    behind, before = those_behind(terms), " and ".join(term.effect.title for term in terms if term.tells_deflection)
     for term in terms:
         equation = term.form.equation or term.effect.equation
-        where = f", by the deflection that {behind} leaves" if behind and term.behind else ""
+        where = f", by the deflection that {before} leaves" if term in behind else ""
         lines += [f"add {term.effect.title} ({term.form.name}){where}:", f"    {equation}"]
         equations.append(equation)
         described = {parameter.name: parameter for parameter in term.effect.parameters}

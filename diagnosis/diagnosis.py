@@ -15,7 +15,7 @@ from .attribution import locate
 from .effects.base import Effect
 from .emulator.emulation import SimulatorScene, emulate
 from .emulator.jitter import without_jitter
-from .hypotheses.evidence import Evidence, Hypothesis, are_behind
+from .hypotheses.evidence import Evidence, Hypothesis, those_behind
 from .hypotheses.heldout import HeldOut, closed_share, held_out
 from .hypotheses.refitting import refitted_beside
 from .hypotheses.search import Library, search
@@ -251,7 +251,7 @@ def _report(
     exact = np.sqrt(max(structured_power(left, signals.runs, signals.stride), 0.0)) <= EXACT * floor
     term = next(t for t in hypothesis.terms if t.effect.id == name)
     law = term.form.name
-    if term.behind and are_behind(hypothesis.terms):
+    if term in those_behind(hypothesis.terms):
         law = f"{law}, by the joint's own motion"
     return EffectReport(
         name, float(np.clip(probability, 0.0, 1.0)), rmse, closed, interval, "adequate" if exact else "form inexact",

@@ -273,6 +273,11 @@ class DirectionLaw:
     grid: Sequence[float]
     limits: tuple[float, float]
 
+    @property
+    def by_speed(self) -> bool:
+        """Whether it turns round within a speed, and not within a distance."""
+        return self.parameter == "transition_speed"
+
 
 def direction_laws(scene: Scene) -> list[DirectionLaw]:
     """The usual regularisations of sgn(v): presliding, exponential or elastic, and a steep function of speed."""

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from typing import ClassVar
+from functools import partial
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from .base import PRESLIDING, Columns, Effect, Floats, Form, Parameter, Scene, direction_laws
+from .base import PRESLIDING, Columns, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws
 from .images import is_one_sided_stiffness
 
 __all__ = ["EndStop"]
@@ -59,20 +60,34 @@ def _contact(side: float, power: float | None = None) -> Columns:
     return columns
 
 
-def _rubbing(side: float) -> Columns:
+def _rubbing(side: float, by_speed: DirectionLaw | None = None) -> Columns:
     """A stop that rubs as it is pressed: its flank, or rubber that loses a share of its work however slowly it is pressed.
 
-    It gives back no more than it took and never pulls: what rubs is added to what it gives back while it is pressed. A last shape
-    is the speed within which that turns round; by default it does within a distance.
+    It gives back no more than it took and never pulls: what rubs is added to what it gives back while it is pressed. It turns
+    round within a distance, or ``by_speed`` within a last shape.
     """
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        signals, (at, power, *pace) = scene.signals, shape
-        back = side * _depth(scene, side, at) ** power
-        direction = np.tanh(signals.certain_speed / pace[0]) if pace else signals.bristle(TURNED * signals.reach)
+        signals, back = scene.signals, side * _depth(scene, side, shape[0]) ** shape[1]
+        direction = by_speed.signal(signals, shape[2]) if by_speed else signals.bristle(TURNED * signals.reach)
         return np.column_stack([back, back * 0.5 * (1.0 + side * direction)])
 
     return columns
+
+
+class _Lossy(NamedTuple):
+    """A stop that rubs, by the direction that its friction takes, and what shapes that has."""
+
+    name: str
+    direction: str
+    law: Callable[[float], Columns]
+    shapes: tuple[str, ...] = ()
+    limits: tuple[tuple[float, float], ...] = ()
+    first: tuple[float, ...] = ()
+
+    def start(self, shape: tuple[float, ...], coefficients: Floats) -> tuple[float, ...]:
+        """Its shape where a stop without losses ended."""
+        return (*shape, 1.1, *self.first)
 
 
 def _relaxing(side: float) -> Columns:
@@ -217,8 +232,12 @@ class EndStop(Effect):
         up, top = _ends(x, middle, reach)
         down, bottom = _ends(-x, -middle, reach)
         span, interval = float(scene.signals.elapsed.max()), scene.signals.interval
-        turned = f"dahl(x, {TURNED * reach:.8g})"
-        by_speed = next(law for law in direction_laws(scene) if law.parameter == "transition_speed")
+        by_speed = next(law for law in direction_laws(scene) if law.by_speed)
+        lossy = [
+            _Lossy("lossy", f"dahl(x, {TURNED * reach:.8g})", _rubbing),
+            _Lossy("lossy by speed", by_speed.equation, partial(_rubbing, by_speed=by_speed), (by_speed.parameter,), (by_speed.limits,),
+                   tuple(by_speed.grid[-1:])),
+        ]  # fmt: skip
         relaxation, soon = (min(4.0 * interval, 0.01 * span), 0.04 * span), 0.01 * span
         made = []
         for power, told in ((1.0, ""), (1.5, ", Hertz")):
@@ -242,13 +261,12 @@ class EndStop(Effect):
                 Form(f"{told}, {ANY}", names, _contact(side), (0.0, 0.0), (np.inf, np.inf), (told, "power"), (),
                      [limits, POWERS], (told, f"{told}, Hertz", f"{told}, damped", f"{told}, Hunt-Crossley"),
                      lambda shape, _: (*shape, 1.25), equation=f"y += {_lossy(told, 'power', 'damping')}"),
-                Form(f"{told}, lossy", (names[0], "lost_stiffness"), _rubbing(side), (0.0, 0.0), (np.inf, np.inf), (told, "power"), (),
-                     [limits, POWERS], (told, f"{told}, Hertz"), lambda shape, _: (*shape, 1.1),
-                     equation=f"y += {_rubs(told, 'lost_stiffness', turned)}"),
-                Form(f"{told}, lossy by speed", (names[0], "lost_stiffness"), _rubbing(side), (0.0, 0.0), (np.inf, np.inf),
-                     (told, "power", by_speed.parameter), (), [limits, POWERS, by_speed.limits], (told, f"{told}, Hertz"),
-                     lambda shape, _: (*shape, 1.1, by_speed.grid[-1]),
-                     equation=f"y += {_rubs(told, 'lost_stiffness', by_speed.equation)}"),
+                *(
+                    Form(f"{told}, {kind.name}", (names[0], "lost_stiffness"), kind.law(side), (0.0, 0.0), (np.inf, np.inf),
+                         (told, "power", *kind.shapes), (), [limits, POWERS, *kind.limits], (told, f"{told}, Hertz"), kind.start,
+                         equation=f"y += {_rubs(told, 'lost_stiffness', kind.direction)}")
+                    for kind in lossy
+                ),
                 Form(f"{told}, relaxing", (names[0], "relaxing"), _relaxing(side), (0.0, 0.0), (np.inf, np.inf),
                      (told, "time_constant"), (), [limits, relaxation], (told,), lambda shape, _: (*shape, soon),
                      equation=f"y {'-' if side < 0.0 else '+'}= {_relaxes(told, 'relaxing')}"),
@@ -271,13 +289,12 @@ class EndStop(Effect):
             Form(f"both, {ANY}", all_four, _both(_contact), *any_size, ("upper", "lower", "power"), (), [*ends, POWERS],
                  ("both", "both, Hertz", "both, damped", "both, Hunt-Crossley"), lambda shape, _: (*shape, 1.25),
                  equation=f"y += {_lossy('upper', 'power', 'damping')} + {_lossy('lower', 'power', 'damping_lower')}"),
-            Form("both, lossy", (*all_four[:2], "lost_stiffness", "lost_stiffness_lower"), _both(_rubbing), *any_size,
-                 ("upper", "lower", "power"), (), [*ends, POWERS], ("both", "both, Hertz"), lambda shape, _: (*shape, 1.1),
-                 equation=f"y += {_rubs('upper', 'lost_stiffness', turned)} + {_rubs('lower', 'lost_stiffness_lower', turned)}"),
-            Form("both, lossy by speed", (*all_four[:2], "lost_stiffness", "lost_stiffness_lower"), _both(_rubbing), *any_size,
-                 ("upper", "lower", "power", by_speed.parameter), (), [*ends, POWERS, by_speed.limits], ("both", "both, Hertz"),
-                 lambda shape, _: (*shape, 1.1, by_speed.grid[-1]),
-                 equation=f"y += {_rubs('upper', 'lost_stiffness', by_speed.equation)} + {_rubs('lower', 'lost_stiffness_lower', by_speed.equation)}"),
+            *(
+                Form(f"both, {kind.name}", (*all_four[:2], "lost_stiffness", "lost_stiffness_lower"), _both(kind.law), *any_size,
+                     ("upper", "lower", "power", *kind.shapes), (), [*ends, POWERS, *kind.limits], ("both", "both, Hertz"), kind.start,
+                     equation=f"y += {_rubs('upper', 'lost_stiffness', kind.direction)} + {_rubs('lower', 'lost_stiffness_lower', kind.direction)}")
+                for kind in lossy
+            ),
             Form("both, relaxing", (*all_four[:2], "relaxing", "relaxing_lower"), _both(_relaxing), *any_size,
                  ("upper", "lower", "time_constant"), (), [*ends, relaxation], ("both",), lambda shape, _: (*shape, soon),
                  equation=f"y += {_relaxes('upper', 'relaxing')} - {_relaxes('lower', 'relaxing_lower')}"),

@@ -30,12 +30,10 @@ from .base import (
 __all__ = ["LoadDependentFriction"]
 BARELY = 1e-9
 """Load, over the largest, below which contacts hold nothing."""
-BY_SPEED = "transition_speed"
-"""Of the law of direction that may go with a high power of the load, or with what that has beyond a threshold. What builds up over a
-distance as well passes for a clearance, as a cycloidal drive's was taken for it."""
 CURVED, POWER, PRESLIDING_POWER = 1.6, 2.5, 1.25
 """Powers of the load: from which it starts where friction is known to grow more than in proportion, and the highest that friction
-goes with, of contacts that spread or wedge, by speed and else."""
+goes with, of contacts that spread or wedge, by speed and else. What builds up over a distance as well passes for a clearance then (a
+cycloidal drive's was taken for it), and so does what only a load beyond a threshold presses."""
 CONTACTS = MappingProxyType({
     "presliding": ("pressed bristles", "dahl", yielding),
     "elastic presliding": ("pressed slider", "slip", slid),
@@ -195,7 +193,7 @@ class LoadDependentFriction(Effect):
         carried = {"torque": loads["torque"], "elastic torque": PARTS["the spring"]}
 
         def steepest(law: DirectionLaw) -> float:
-            return POWER if law.parameter == BY_SPEED else PRESLIDING_POWER
+            return POWER if law.by_speed else PRESLIDING_POWER
 
         def simpler(of: str, direction: str) -> tuple[str, ...]:
             """Laws from which those start that are not in proportion to the load, and seem to differ by side at first."""
@@ -230,7 +228,7 @@ class LoadDependentFriction(Effect):
                          (law.parameter, "threshold"), (), [law.limits, (0.02 * strongest, 0.8 * strongest)], simpler(of, law.name),
                          lambda shape, _: (shape[0], 0.2 * strongest),
                          equation=f"y += friction_coefficient * maximum(abs({load.symbol}) - threshold, 0) * {law.equation}")
-                    for of, load in (carried.items() if law.parameter == BY_SPEED else ())
+                    for of, load in (carried.items() if law.by_speed else ())
                 ),
                 *(
                     Form(f"by {of}, unequal sides, {law.name}", ("friction_coefficient", "friction_coefficient_below"),

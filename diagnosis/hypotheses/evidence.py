@@ -435,14 +435,14 @@ def effect_columns(scene: SimulatorScene, terms: Sequence[Term], guess: Floats |
     return np.hstack(made) if made else np.empty((scene.signals.x.size, 0))
 
 
-def are_behind(terms: Sequence[Term]) -> bool:
-    """Whether some of the terms act on a deflection that others tell."""
-    return any(term.behind for term in terms) and any(term.tells_deflection for term in terms)
+def those_behind(terms: Sequence[Term]) -> list[Term]:
+    """Those of the terms that act on a deflection which others tell."""
+    return [term for term in terms if term.behind] if any(term.tells_deflection for term in terms) else []
 
 
 def _of_the_joint(scene: SimulatorScene, terms: Sequence[Term]) -> SimulatorScene:
     """The scene at the deflection by which the joint moves, as effects on the input leave it, where some act on that."""
-    if not are_behind(terms):
+    if not those_behind(terms):
         return scene
     telling = [term for term in terms if term.tells_deflection]
 
@@ -450,7 +450,11 @@ def _of_the_joint(scene: SimulatorScene, terms: Sequence[Term]) -> SimulatorScen
         x = scene.signals.x.copy()
         for term in telling:
             asking = scene.asking()
-            term.form.columns(asking, term.shape)
+            make = functools.partial(term.form.columns, asking, term.shape)
+            asking.columns_of(term.law, term.shape, make)
+            if asking.asked is None:
+                # Its columns are remembered, but not what it asked for.
+                make()
             if asking.asked is not None:
                 x += asking.asked - scene.signals.x
         return x
@@ -480,9 +484,9 @@ def passes_of(scene: SimulatorScene, terms: Sequence[Term]) -> int:
     """
     if any(term.form.about for term in terms):
         return 2
-    return int(
-        are_behind(terms) or any(ORDER[term.effect.acts_on] > 0 and scene.is_of_torque(term.law) for term in terms[1:])
-    )
+    if those_behind(terms):
+        return 1
+    return int(any(ORDER[term.effect.acts_on] > 0 and scene.is_of_torque(term.law) for term in terms[1:]))
 
 
 def count_unknowns(terms: Sequence[Term]) -> int:

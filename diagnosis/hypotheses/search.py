@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..effects.base import TORQUE, Effect, Form
 from .adequacy import left_by
 from .boxed import boxed_least_squares
-from .evidence import FINE, Evidence, Hypothesis, Scale, Term, are_behind, count_unknowns, is_refitted, spans
+from .evidence import FINE, Evidence, Hypothesis, Scale, Term, count_unknowns, is_refitted, spans, those_behind
 from .refinement import refine, refine_anyhow
 
 __all__ = ["NOTHING", "Library", "search", "successors"]
@@ -283,7 +283,7 @@ def _refined(evidence: Evidence, terms: Sequence[Term], scales: Sequence[Scale] 
 def _or_behind(evidence: Evidence, fitted: Hypothesis, scales: Sequence[Scale] = ()) -> Hypothesis:
     """The same, or with effects that act on the joint's own deflection where those on the input tell it, whichever is better."""
     terms = [replace(term, behind=term.effect.acts_on == TORQUE) for term in fitted.terms]
-    if not are_behind(terms) or are_behind(fitted.terms):
+    if not those_behind(terms) or those_behind(fitted.terms):
         return fitted
     behind = evidence.fit(terms, scales)
     if behind.score <= fitted.score:
