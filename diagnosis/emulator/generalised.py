@@ -30,6 +30,8 @@ __all__ = ["Generalised", "motion_of", "predict_generalised", "relative_error", 
 Floats = NDArray[np.float64]
 ELEMENTS, FINER = 14, 40
 """Stops; the finer ones contain the others."""
+SIGNS = 1.0, -1.0
+"""Of the weights of what has memory, the usual one first."""
 BY_SPEED = "friction by speed"
 SMOOTH = "smooth"
 """Derivatives of the motion without its noise."""
@@ -58,6 +60,9 @@ FEW = 3000
 """Samples that are enough to tell derivatives apart."""
 GOOD_ENOUGH = 0.01
 """Error, as a share of the output, from which elements of the other sign are tried."""
+FARTHER, ALL_THE_SAME = 1.2, 0.02
+"""Error along other derivatives, over that along those at hand, from which they are not those of the simulator whatever is moved, and
+up to which difference they are the same to it."""
 
 
 class Generalised:
@@ -75,6 +80,8 @@ class Generalised:
         self._choices: dict[tuple[bool, str], Choices] = {}
         """Along the motion from where memory begins, by its derivatives; of use only until all is identified."""
         self.placing = [name for name in KINDS if name != KERNELS]
+        self.signs: tuple[float, ...] = SIGNS
+        """Those of what has memory that may be the simulator's."""
         self._find_anywhere(anywhere)
         if self.error > TABLED:
             self._take_if_closer(self._find_kernels, CLEARLY)
@@ -115,12 +122,14 @@ class Generalised:
             return False
         return True
 
-    def _take_if_closer(self, identify: Callable[[], None], share: float = 1.0) -> None:
-        """``identify`` anew, which is undone unless less than this share of the error is left."""
+    def _take_if_closer(self, identify: Callable[[], None], share: float = 1.0) -> float:
+        """``identify`` anew, which is undone unless less than this share of the error is left; the error, of either."""
         before = vars(self).copy()
         identify()
-        if self.error >= share * before["error"]:
+        error = self.error
+        if error >= share * before["error"]:
             vars(self).update(before)
+        return error
 
     def _find_either(self, elsewhere: bool) -> None:
         """Identify all, of a simulator whose memory begins at zero or, if ``elsewhere`` and that is closer, where each run does."""
@@ -128,20 +137,25 @@ class Generalised:
         if elsewhere and self.error > EMULATED:
             self._take_if_closer(lambda: self._find(begun=True), CLOSER)
 
-    def _find(self, begun: bool) -> None:
-        """Identify all, of a simulator whose memory begins where each run does or at zero."""
+    def _find(self, begun: bool, signs: tuple[float, ...] = SIGNS) -> None:
+        """Identify all, of a simulator whose memory begins where each run does or at zero, its weights of one of these ``signs``."""
         motion = motion_of(self.signals)
         self.begun, self.motion, self.derivatives = begun, motion.begun() if begun else motion, SMOOTH
         # Weights of one sign; what lags behind its input, as a piezo stage does, turns the other way round.
-        self._identify(1.0, ELEMENTS, {})
+        self._identify(signs[0], ELEMENTS, {})
         usual = vars(self).copy()
-        if self.error > GOOD_ENOUGH or np.any(self.rates):
-            self._take_if_closer(lambda: self._identify(-1.0, ELEMENTS, {}))
+        if len(signs) > 1 and (self.error > GOOD_ENOUGH or np.any(self.rates)):
+            self._take_if_closer(lambda: self._identify(signs[1], ELEMENTS, {}))
         if self.error > EMULATED:
             self._grow_by_derivatives()
-        if self.sign < 0.0 and self.error > EMULATED:
+        if self.sign != usual["sign"] and self.error > EMULATED:
             # Which sign was closer by a little before anything had grown says little of which is afterwards.
-            self._take_if_closer(lambda: self._grow_from(usual))
+            grown = self.error
+            other = self._take_if_closer(lambda: self._grow_from(usual))
+            if CLEARLY < other / grown < 1.0 / CLEARLY:
+                self.signs = signs
+                return
+        self.signs = (self.sign,)
 
     def _grow_from(self, start: Mapping[str, Any]) -> None:
         """The same as :meth:`_grow_by_derivatives` from what had been identified at ``start``."""
@@ -165,13 +179,22 @@ class Generalised:
         if first != SMOOTH or not set(by_speed).intersection(self.further):
             return
 
-        def grow_with(derivatives: str) -> None:
+        def weigh_along(derivatives: str) -> None:
+            self.derivatives, self.motion = derivatives, motions[derivatives]
+            further = {name: found["sizes"] for name, found in self.further.items()}
+            self._identify(self.sign, self.thresholds.size, further)
+
+        def grow_along(derivatives: str) -> None:
             vars(self).update(start, derivatives=derivatives, motion=motions[derivatives])
             self._grow([name for name in by_speed if name in self.placing])
 
         for other in others:
             if self.error > EMULATED:
-                self._take_if_closer(functools.partial(grow_with, other))
+                # Growing takes its time: at first with the same sizes, never to be kept.
+                here = self.error
+                there = self._take_if_closer(functools.partial(weigh_along, other), 0.0)
+                if there < FARTHER * here and abs(there - here) > ALL_THE_SAME * here:
+                    self._take_if_closer(functools.partial(grow_along, other))
 
     def _grow(self, placing: Collection[str]) -> None:
         """Identify all anew with as many stops and with the further elements that are needed.
@@ -237,7 +260,7 @@ class Generalised:
         Where memory began, and until when it is not known, was found without them.
         """
         self.placing = [KERNELS]
-        self._find(self.begun)
+        self._find(self.begun, self.signs)
         if KERNELS not in self.further:
             self.error = np.inf
 

@@ -31,8 +31,8 @@ EXACT = 8
 """Laws that are also refined beside an exact simulator, at most two of an effect."""
 INHERITED = 3
 """Sets of each size whose shapes are tried in smaller sets."""
-HOPEFUL = 0.005
-"""Evidence a sample that a further effect must bring for still another to be looked for."""
+HOPEFUL, HARDLY = 0.005, 0.001
+"""Evidence a sample that a further effect must bring for still another to be looked for, and by its first law for other laws."""
 GROWN, PAIRS = 4, 4
 """Sets from whose effects pairs grow beside an exact simulator where the likeliest pair is beside a refitted one, and such pairs."""
 IN_COMPANY = 6
@@ -233,7 +233,8 @@ def search(library: Library, wide: int = 9, most: int = 3) -> list[Hypothesis]:
             for better, numbers in _pairs_beside_exact(library, exact):
                 _keep(refined, better, numbers)
                 _note_exact(exact, better)
-        if size > 1:
+        brought = max(fitted.score for fitted, _ in refined.values()) - best_of_smaller
+        if size > 1 and brought > HARDLY * evidence.effective:
             # In company only the most likely sets are worth other forms.
             for fitted, numbers in sorted(refined.values(), key=lambda item: -item[0].score)[: 4 - size]:
                 if _leaves_nothing(evidence, fitted, FINE):
@@ -316,11 +317,12 @@ def _keep(
 def _note_exact(best: dict[frozenset[str], Hypothesis], fitted: Hypothesis) -> None:
     """Keep in ``best`` what does best of each set of effects beside an exact simulator."""
 
-    def beside(hypothesis: Hypothesis) -> float:
-        return max(score for scale, score in hypothesis.by_scale.items() if not is_refitted(scale))
-
-    if fitted.names not in best or beside(fitted) > beside(best[fitted.names]):
+    if fitted.names not in best or _score_beside_exact(fitted) > _score_beside_exact(best[fitted.names]):
         best[fitted.names] = fitted
+
+
+def _score_beside_exact(fitted: Hypothesis) -> float:
+    return max(score for scale, score in fitted.by_scale.items() if not is_refitted(scale))
 
 
 def _beside_exact(library: Library) -> list[tuple[Hypothesis, tuple[int, ...]]]:
@@ -348,6 +350,7 @@ def _pairs_beside_exact(
     Where one effect alone leaves much, a refitted simulator takes a part of both, and other effects come out ahead.
     """
     evidence = library.evidence
+    leading = max(hypothesis.score for hypothesis in exact.values())
     sets = [evidence.fit(hypothesis.terms, evidence.exact) for hypothesis in exact.values()]
     sets = sorted(sets, key=lambda h: -h.score)[:GROWN]
     bases = library.add([term for hypothesis in sets for term in hypothesis.terms])
@@ -362,7 +365,10 @@ def _pairs_beside_exact(
         start = evidence.fit([library.terms[k] for k in numbers], evidence.exact)
         refined = refine(evidence, start, IN_COMPANY, evidence.exact)
         fitted = evidence.fit(_or_behind(evidence, refined, evidence.exact).terms)
-        made += [(better, numbers) for better in (fitted, *_siblings(evidence, fitted))]
+        made.append((fitted, numbers))
+        # Of what is far behind what a refitted simulator makes no law matters.
+        if _score_beside_exact(fitted) > leading - NEAR * evidence.effective:
+            made += [(better, numbers) for better in _siblings(evidence, fitted)]
     return made
 
 
