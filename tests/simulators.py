@@ -365,6 +365,20 @@ def staged_damper(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return first + 6.0 * (1.0 - e) * beyond + sliders(beyond, ((25.0, 1.3 * (1.0 + e)),))
 
 
+def soft_stages(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """A coupling whose second stage, of rubber, engages softly and gives way little by little."""
+    place, soft = 0.27 * (1.0 + e), 0.04 * (1.0 - e)
+    depth = np.abs(x) - place
+    beyond = np.sign(x) * 0.5 * (depth + np.sqrt(depth**2 + soft**2) + place - np.sqrt(place**2 + soft**2))
+    reached, rubbed = 0.0, np.zeros(x.size)
+    for i in range(1, x.size):
+        # Exact along each sample: it comes nearer to its level by the share of the way that is gone.
+        way = beyond[i] - beyond[i - 1]
+        level = 1.1 * (1.0 + e) * np.sign(way)
+        rubbed[i] = reached = level + (reached - level) * np.exp(-abs(way) / (0.06 * (1.0 - e)))
+    return 2.2 * x + 5.0 * (1.0 - e) * beyond + rubbed + sliders(x, ((25.0, 0.3 * (1.0 + e)),))
+
+
 def predamper(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """The same whose main rubbing is moved through a play, off its first stage."""
     play, moved = 0.17 * (1.0 + e), np.zeros(x.size)
@@ -583,6 +597,7 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "hardly yielding": (hardly_yielding, 0.0003),
     "lagging": (lagging, 0.01),
     "staged damper": (staged_damper, 0.01),
+    "soft stages": (soft_stages, 0.01),
     "predamper": (predamper, 0.01),
     "pressed by a cam": (pressed_by_a_cam, 0.01),
     "door closer": (door_closer, 0.01),

@@ -336,8 +336,9 @@ def with_law(name: str) -> tuple[str, Floats]:
         return "load_dependent_friction", joint(x) + pressed(x, 0.1 * np.abs(spring) * worse + 1e-9)
     if name == "elastic torque, lower side, ramped":
         return "stiffness_asymmetry", joint(x) - 0.2 * spring * np.interp(-x, [0.0, 0.4], [0.0, 1.0])
-    # Lagrange's equation of an inertia that changes as a cosine.
-    inertia, slope = 1.0 + 0.5 * np.cos(1.5 * x), -0.75 * np.sin(1.5 * x)
+    # Lagrange's equation of an inertia that changes as a cosine about the middle, or elsewhere on its turn.
+    rate, begun = (1.5, 0.0) if name == "of a symmetric mechanism" else (1.1, 0.8)
+    inertia, slope = 1.0 + 0.5 * np.cos(rate * x + begun), -0.5 * rate * np.sin(rate * x + begun)
     return "inertia", joint(x) + 0.03 * (inertia * acceleration + 0.5 * slope * speed**2)
 
 
@@ -351,6 +352,7 @@ def with_law(name: str) -> tuple[str, Floats]:
         "by elastic torque, driving and driven, pressed slider",
         "elastic torque, lower side, ramped",
         "of a symmetric mechanism",
+        "of a crank",
     ],
 )
 def test_an_effect_is_told_with_the_law_that_it_follows(law: str) -> None:

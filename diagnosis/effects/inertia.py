@@ -61,6 +61,16 @@ def _of_symmetric_mechanism(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.column_stack([ends * s.acceleration + turned, (1.0 - ends) * s.acceleration - turned])
 
 
+def _of_crank(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    s = scene.signals
+    place, turned = s.smooth_x / s.stroke, 0.5 * np.square(s.speed) / s.stroke
+    shares = 0.5 * place * (place + 1.0), 1.0 - np.square(place), 0.5 * place * (place - 1.0)
+    slopes = place + 0.5, -2.0 * place, place - 0.5
+    return np.column_stack([
+        share * s.acceleration + slope * turned for share, slope in zip(shares, slopes, strict=True)
+    ])  # fmt: skip
+
+
 def _behind_shaft(scene: Scene, shape: tuple[float, ...]) -> Floats:
     # Well below its resonance a shaft's twist delays the mass.
     return scene.signals.delayed(scene.signals.acceleration, shape[0])[:, None]
@@ -83,7 +93,7 @@ class Inertia(Effect):
     title: ClassVar[str] = "inertia"
     summary: ClassVar[str] = "torque in proportion to acceleration (unmodelled moving mass, reflected rotor)"
     equation: ClassVar[str] = (
-        "y += J d²x/dt², at t or at t − τ, J constant, linear in x (with or without J' (dx/dt)² / 2) or quadratic (with it), or y += z with d²z/dt² + 2ζω dz/dt + ω² z = ω² J d²x/dt²"
+        "y += J d²x/dt², at t or at t − τ, J constant, linear in x (with or without J' (dx/dt)² / 2), even or any quadratic (with it), or y += z with d²z/dt² + 2ζω dz/dt + ω² z = ω² J d²x/dt²"
     )
     coordinate: ClassVar[str] = "acceleration"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -112,7 +122,7 @@ class Inertia(Effect):
         ends = "inertia_upper", "inertia_lower"
         changing = f"{between_ends(scene, *ends)} * a"
         turning = f"(inertia_upper - inertia_lower) / {size} / 4 * v**2"
-        both = (0.0,) * 2, (np.inf,) * 2
+        both, three = ((0.0,) * 2, (np.inf,) * 2), ((0.0,) * 3, (np.inf,) * 3)
         rigid = Form("rigid", ("inertia",), _columns, *free, equation="y += inertia * a")
         made = [
             rigid,
@@ -122,6 +132,12 @@ class Inertia(Effect):
             Form("of a symmetric mechanism", ("inertia_ends", "inertia_middle"), _of_symmetric_mechanism, *both,
                  equation=f"y += (inertia_middle + (inertia_ends - inertia_middle) * (x / {size})**2) * a "
                  f"+ (inertia_ends - inertia_middle) * x * (v / {size})**2"),
+            Form("of a crank", (ends[0], "inertia_middle", ends[1]), _of_crank, *three,
+                 equation="y += "
+                 f"(inertia_middle + (inertia_upper - inertia_lower) / 2 * x / {size} "
+                 f"+ ((inertia_upper + inertia_lower) / 2 - inertia_middle) * (x / {size})**2) * a "
+                 f"+ ((inertia_upper - inertia_lower) / 2 + (inertia_upper + inertia_lower - 2 * inertia_middle) * x / {size}) "
+                 f"/ {size} * v**2 / 2"),
             Form("behind a shaft", ("inertia",), _behind_shaft, *free, ("shaft_lag",), (), [(0.02 * step, longest)], ("rigid",),
                  lambda shape, coefficients: (min(step, 0.5 * longest),), equation="y += inertia * late(a, shaft_lag)"),
         ]  # fmt: skip

@@ -123,7 +123,7 @@ class Generalised:
         return True
 
     def _take_if_closer(self, identify: Callable[[], None], share: float = 1.0) -> float:
-        """``identify`` anew, which is undone unless less than this share of the error is left; the error, of either."""
+        """``identify`` anew, which is undone unless less than this share of the error is left. Returns what is left, undone or not."""
         before = vars(self).copy()
         identify()
         error = self.error

@@ -51,6 +51,7 @@ from .single_elements import (
     rubber_splined,
     saturating,
     slipping,
+    softly_beyond_clearance,
     stops,
     stribeck,
     stronger_at_rest,
@@ -215,6 +216,15 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     # Dampers of clutches and flywheels, whose stages rub once they engage, or once a play is taken up.
     "a few sliders beyond a clearance": _engaging(by_row(beyond_clearance)),
     "a few sliders behind a play": _engaging(behind_play),
+    "a few smooth sliders beyond a clearance": Kind(
+        MEMORY, True,
+        lambda extent: extent.reach * with_each(
+            np.array([0.02, 0.06, 0.2]), (0.1, 0.02), (0.25, 0.04), (0.4, 0.05), (0.6, 0.05)
+        ),
+        by_row(softly_beyond_clearance),
+        limits=lambda extent: extent.reach * np.array([[0.003, 0.01, 0.001], [1.0, 0.95, 0.2]]),
+        corners=(0, 1),
+    ),
     # Linkages, cams, tendons: the friction inside has a lever that changes with the place.
     "a few sliders on a lever": Kind(
         MEMORY, True,

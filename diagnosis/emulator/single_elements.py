@@ -17,7 +17,7 @@ from ..operators.chambers import chamber
 from ..operators.kernels import kernel
 from ..operators.levels import attracted, elastoplastic, yielding
 from ..operators.magnetic import magnetised
-from ..operators.memory import enveloped, hyperbolic, lagged, lowpass, plays
+from ..operators.memory import bristle, enveloped, hyperbolic, lagged, lowpass, plays
 from ..operators.superelastic import superelastic
 from .motion import Motion
 
@@ -47,6 +47,7 @@ __all__ = [
     "rubber",
     "rubber_splined",
     "slipping",
+    "softly_beyond_clearance",
     "stops",
     "stribeck",
     "stronger_at_rest",
@@ -155,9 +156,9 @@ def stribeck(
     Its bristles resist their own speed by ``damping`` (s) times their stiffness; the level falls with a ``power`` of the speed.
     """
     level = _level(motion, pace, excess, power)
-    bristle = motion.from_rest(yielding, level, length=length)
-    bending = motion.speed - np.abs(motion.speed) * bristle / level
-    return length * bristle + damping * bending
+    built_up = motion.from_rest(yielding, level, length=length)
+    bending = motion.speed - np.abs(motion.speed) * built_up / level
+    return length * built_up + damping * bending
 
 
 def breaking_away(
@@ -292,6 +293,13 @@ def beyond_clearance(motion: Motion, length: float, clearance: float) -> Floats:
     """A stop that engages beyond ``clearance`` (rad) on either side of the middle: a later stage of a torsional damper."""
     engaged = motion.path - np.clip(motion.path, -clearance, clearance)
     return stops(replace(motion, course=engaged), np.array([[length]]))[:, 0]
+
+
+def softly_beyond_clearance(motion: Motion, length: float, clearance: float, width: float) -> Floats:
+    """A bristle that engages beyond ``clearance`` (rad) on either side of the middle, smooth over ``width`` (rad)."""
+    size = np.abs(motion.path) - clearance
+    engaged = size + np.hypot(size, width) - (np.hypot(clearance, width) - clearance)
+    return replace(motion, course=0.5 * np.sign(motion.path) * engaged).from_rest(bristle, length=length)
 
 
 def behind_play(motion: Motion, sizes: Floats) -> Floats:
