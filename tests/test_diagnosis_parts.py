@@ -231,6 +231,14 @@ def test_closed_share_counts_beyond_the_noise_and_brackets_itself() -> None:
     assert rmse == pytest.approx(np.sqrt(0.125 + 0.01), rel=0.02)
 
 
+def test_closed_share_of_what_widens_the_gap_many_times_has_an_interval_about_itself() -> None:
+    rng = np.random.default_rng(7)
+    gap = rng.standard_normal(4000)
+    _, closed, (low, high) = closed_share(gap, 12.0 * rng.standard_normal(4000), 0.1, 0)
+    assert low < closed < high
+    assert high - low < 0.2 * abs(closed)
+
+
 def test_a_gap_is_drawn_at_each_direction_and_over_bins_of_a_deflection() -> None:
     rng = np.random.default_rng(6)
     direction, deflection = rng.choice([-1.0, 1.0], 900), rng.uniform(-1.0, 1.0, 900)

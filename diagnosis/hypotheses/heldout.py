@@ -125,6 +125,6 @@ def closed_share(gap: Floats, after: Floats, floor: float, seed: int) -> tuple[f
         return rms(after), 0.0, [0.0, 0.0]
     everything = float(share(np.arange(sizes.size)))
     # A bootstrap sample in which the gap is not above the noise says nothing about its share.
-    interval = np.percentile(np.clip(share(drawn), -10.0, 1.5), [5.0, 95.0])
+    interval = np.percentile(np.clip(share(drawn), min(-10.0, 2.0 * everything), 1.5), [5.0, 95.0])
     low, high = sorted((min(float(interval[0]), everything), max(float(interval[1]), everything)))
     return rms(after), everything, [low, high]
