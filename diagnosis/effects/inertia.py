@@ -11,6 +11,7 @@ from ..recording.signals import Signals
 from .base import (
     LOW,
     NOT,
+    Columns,
     Effect,
     Floats,
     Form,
@@ -26,6 +27,12 @@ __all__ = ["Inertia"]
 
 AT_REST = 0.1
 """Speed, over its standard deviation, that is standing still."""
+IN_PROPORTION, EVEN, ANY = (
+    np.array([[1.0, 0.0], [0.5, 0.5], [0.0, 1.0]]),
+    np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 0.0]]),
+    np.eye(3),
+)
+"""Ways in which an inertia changes over the stroke, by its values above, in the middle and below."""
 MOVING = 0.99
 """Share of the speed's power below the end of the band in which the motion is."""
 ABOVE = 1.5
@@ -48,27 +55,21 @@ def _by_position(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return np.column_stack([share * scene.signals.acceleration for share in at_either_end(scene)])
 
 
-def _of_mechanism(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    # Lagrange: J a + J' v² / 2, and J' is the difference of the ends over the stroke.
-    turned = 0.25 * np.square(scene.signals.speed) / scene.signals.stroke
-    return _by_position(scene, shape) + np.column_stack([turned, -turned])
+def _lagrangian(places: Floats) -> Columns:
+    """J a + J' v² / 2 of an inertia J whose values at the largest deflection, at none and at as much on the other side are tied.
 
+    ``places`` (3, k) makes these values of k parameters; between them J is the parabola.
+    """
 
-def _of_symmetric_mechanism(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    s = scene.signals
-    ends = np.square(s.smooth_x / scene.signals.stroke)
-    turned = s.smooth_x * np.square(s.speed / scene.signals.stroke)
-    return np.column_stack([ends * s.acceleration + turned, (1.0 - ends) * s.acceleration - turned])
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        s = scene.signals
+        place, turned = s.smooth_x / s.stroke, 0.5 * np.square(s.speed) / s.stroke
+        shares = 0.5 * place * (place + 1.0), 1.0 - np.square(place), 0.5 * place * (place - 1.0)
+        slopes = place + 0.5, -2.0 * place, place - 0.5
+        made = [share * s.acceleration + slope * turned for share, slope in zip(shares, slopes, strict=True)]
+        return np.column_stack(made) @ places
 
-
-def _of_crank(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    s = scene.signals
-    place, turned = s.smooth_x / s.stroke, 0.5 * np.square(s.speed) / s.stroke
-    shares = 0.5 * place * (place + 1.0), 1.0 - np.square(place), 0.5 * place * (place - 1.0)
-    slopes = place + 0.5, -2.0 * place, place - 0.5
-    return np.column_stack([
-        share * s.acceleration + slope * turned for share, slope in zip(shares, slopes, strict=True)
-    ])  # fmt: skip
+    return columns
 
 
 def _behind_shaft(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -122,22 +123,20 @@ class Inertia(Effect):
         ends = "inertia_upper", "inertia_lower"
         changing = f"{between_ends(scene, *ends)} * a"
         turning = f"(inertia_upper - inertia_lower) / {size} / 4 * v**2"
+        slope, bend = "(inertia_upper - inertia_lower) / 2", "((inertia_upper + inertia_lower) / 2 - inertia_middle)"
         both, three = ((0.0,) * 2, (np.inf,) * 2), ((0.0,) * 3, (np.inf,) * 3)
         rigid = Form("rigid", ("inertia",), _columns, *free, equation="y += inertia * a")
         made = [
             rigid,
             overdone(rigid),
             Form("by position", ends, _by_position, *both, equation=f"y += {changing}"),
-            Form("of a mechanism", ends, _of_mechanism, *both, equation=f"y += {changing} + {turning}"),
-            Form("of a symmetric mechanism", ("inertia_ends", "inertia_middle"), _of_symmetric_mechanism, *both,
+            Form("of a mechanism", ends, _lagrangian(IN_PROPORTION), *both, equation=f"y += {changing} + {turning}"),
+            Form("of a symmetric mechanism", ("inertia_ends", "inertia_middle"), _lagrangian(EVEN), *both,
                  equation=f"y += (inertia_middle + (inertia_ends - inertia_middle) * (x / {size})**2) * a "
                  f"+ (inertia_ends - inertia_middle) * x * (v / {size})**2"),
-            Form("of a crank", (ends[0], "inertia_middle", ends[1]), _of_crank, *three,
-                 equation="y += "
-                 f"(inertia_middle + (inertia_upper - inertia_lower) / 2 * x / {size} "
-                 f"+ ((inertia_upper + inertia_lower) / 2 - inertia_middle) * (x / {size})**2) * a "
-                 f"+ ((inertia_upper - inertia_lower) / 2 + (inertia_upper + inertia_lower - 2 * inertia_middle) * x / {size}) "
-                 f"/ {size} * v**2 / 2"),
+            Form("of a crank", (ends[0], "inertia_middle", ends[1]), _lagrangian(ANY), *three,
+                 equation=f"y += (inertia_middle + {slope} * x / {size} + {bend} * (x / {size})**2) * a "
+                 f"+ ({slope} + 2 * {bend} * x / {size}) / {size} * v**2 / 2"),
             Form("behind a shaft", ("inertia",), _behind_shaft, *free, ("shaft_lag",), (), [(0.02 * step, longest)], ("rigid",),
                  lambda shape, coefficients: (min(step, 0.5 * longest),), equation="y += inertia * late(a, shaft_lag)"),
         ]  # fmt: skip

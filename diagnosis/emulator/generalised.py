@@ -123,13 +123,19 @@ class Generalised:
         return True
 
     def _take_if_closer(self, identify: Callable[[], None], share: float = 1.0) -> float:
-        """``identify`` anew, which is undone unless less than this share of the error is left. Returns what is left, undone or not."""
+        """``identify`` anew and keep that if it leaves less than this share of the error. Returns what it leaves."""
+        found = self._tried(identify)
+        if found["error"] < share * self.error:
+            vars(self).update(found)
+        return float(found["error"])
+
+    def _tried(self, identify: Callable[[], None]) -> dict[str, Any]:
+        """All that ``identify`` finds, without keeping it."""
         before = vars(self).copy()
         identify()
-        error = self.error
-        if error >= share * before["error"]:
-            vars(self).update(before)
-        return error
+        found = vars(self).copy()
+        vars(self).update(before)
+        return found
 
     def _find_either(self, elsewhere: bool) -> None:
         """Identify all, of a simulator whose memory begins at zero or, if ``elsewhere`` and that is closer, where each run does."""
@@ -148,14 +154,13 @@ class Generalised:
             self._take_if_closer(lambda: self._identify(signs[1], ELEMENTS, {}))
         if self.error > EMULATED:
             self._grow_by_derivatives()
+        undecided = False
         if self.sign != usual["sign"] and self.error > EMULATED:
             # Which sign was closer by a little before anything had grown says little of which is afterwards.
             grown = self.error
             other = self._take_if_closer(lambda: self._grow_from(usual))
-            if CLEARLY < other / grown < 1.0 / CLEARLY:
-                self.signs = signs
-                return
-        self.signs = (self.sign,)
+            undecided = CLEARLY < other / grown < 1.0 / CLEARLY
+        self.signs = signs if undecided else (self.sign,)
 
     def _grow_from(self, start: Mapping[str, Any]) -> None:
         """The same as :meth:`_grow_by_derivatives` from what had been identified at ``start``."""
@@ -190,9 +195,8 @@ class Generalised:
 
         for other in others:
             if self.error > EMULATED:
-                # Growing takes its time: at first with the same sizes, never to be kept.
-                here = self.error
-                there = self._take_if_closer(functools.partial(weigh_along, other), 0.0)
+                # Growing takes its time: with the same sizes first.
+                here, there = self.error, self._tried(functools.partial(weigh_along, other))["error"]
                 if there < FARTHER * here and abs(there - here) > ALL_THE_SAME * here:
                     self._take_if_closer(functools.partial(grow_along, other))
 

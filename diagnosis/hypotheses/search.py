@@ -22,7 +22,8 @@ ALONE, ALIKE = 18, 4
 FAR = 1.0
 """Evidence a sample by which an effect alone may fall behind another for its further laws to be tried."""
 NEAR = 0.2
-"""The same where that other leaves nothing: then laws matter only of what may do as well."""
+"""The same where that other leaves nothing, and of a pair beside an exact simulator behind what a refitted one makes: then laws matter
+only of what may do as well."""
 DETAIL = 0.01
 """Relative error of a simulator's parameters that is none."""
 NOTHING = 0.15
@@ -233,8 +234,8 @@ def search(library: Library, wide: int = 9, most: int = 3) -> list[Hypothesis]:
             for better, numbers in _pairs_beside_exact(library, exact):
                 _keep(refined, better, numbers)
                 _note_exact(exact, better)
-        brought = max(fitted.score for fitted, _ in refined.values()) - best_of_smaller
-        if size > 1 and brought > HARDLY * evidence.effective:
+        least = best_of_smaller + HARDLY * evidence.effective
+        if size > 1 and max(fitted.score for fitted, _ in refined.values()) > least:
             # In company only the most likely sets are worth other forms.
             for fitted, numbers in sorted(refined.values(), key=lambda item: -item[0].score)[: 4 - size]:
                 if _leaves_nothing(evidence, fitted, FINE):
