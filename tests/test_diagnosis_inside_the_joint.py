@@ -12,9 +12,11 @@ from scipy.signal import lfilter
 from slider_joint import (
     ELEMENTS,
     NOISE,
+    SIGN,
     SPEED,
     STEP,
     TIME,
+    TRAVEL,
     Floats,
     X,
     diagnosed,
@@ -30,6 +32,7 @@ from hystbench.diagnosis.delivery import deliver
 from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.emulator.generalised import Generalised, spring_of
+from hystbench.diagnosis.operators.memory import plays
 from hystbench.diagnosis.recording.signals import Signals
 
 # ---- the simulator's parts ---------------------------------------------------------------------------------------------
@@ -135,6 +138,48 @@ def test_friction_that_knows_the_speed_alone_has_a_strength_and_its_damper_has_n
 
 
 # ---- one factor, or several errors -------------------------------------------------------------------------------------
+
+
+def hard_spring(x: Floats) -> Floats:
+    return 2.0 * x + 3.0 * x**3
+
+
+def lagged(u: Floats, tau: float) -> Floats:
+    return np.asarray(lfilter([STEP / tau], [1.0, STEP / tau - 1.0], u))
+
+
+SPRING, PLAYS = hard_spring(X), plays(X, np.array([0.05, 0.15, 0.3])) @ np.array([1.0, 0.8, 0.7])
+INSIDE = {
+    "plays that wear": ("cyclic_softening", SPRING + PLAYS * (0.6 + 0.4 * np.exp(-2.0 * TRAVEL / TRAVEL[-1]))),
+    "plays that warm up": ("thermal_drift", SPRING + PLAYS * (0.6 + 0.4 * np.exp(-TIME / 9.0))),
+    "a spring that is stiff at first": ("stress_relaxation", 1.2 * SPRING + PLAYS - 0.2 * lagged(SPRING, 0.8)),
+    "a spring that gives way": ("stress_relaxation", SPRING + PLAYS - 0.15 * lagged(SPRING, 2.0)),
+    "a spring that differs by side": ("stiffness_asymmetry", SPRING * np.where(X > 0.0, 1.12, 1.0) + PLAYS),
+    "contacts that the spring presses": ("load_dependent_friction", SPRING + PLAYS + 0.1 * np.abs(SPRING) * SIGN),
+}
+"""What changes inside a joint of plays, whose slope an emulator by sliders counts to the spring."""
+
+
+@pytest.mark.parametrize("law", INSIDE)
+def test_what_acts_on_a_part_that_the_emulator_does_not_tell_leaves_nothing(law: str) -> None:
+    effect, real = INSIDE[law]
+    found = diagnose(signals(real, y_sim=SPRING + PLAYS))
+    assert found.verdict == [effect]
+    assert found.choice.features["in_sample_left"] < 0.02
+
+
+@pytest.mark.parametrize("law", ["plays that wear", "a spring that is stiff at first", "a spring that differs by side"])
+def test_a_gain_beside_what_acts_on_such_a_part_is_told(law: str) -> None:
+    effect, real = INSIDE[law]
+    assert set(diagnose(signals(1.06 * real, y_sim=SPRING + PLAYS)).verdict) == {effect, "torque_gain"}
+
+
+@pytest.mark.parametrize("gain", [1.0, 1.05])
+def test_a_softly_engaging_spring_that_makes_no_torque_at_zero_needs_no_errors_of_the_simulator(gain: float) -> None:
+    engaging = 0.05 * (np.logaddexp(0.0, X / 0.05) - np.log(2.0))
+    found = diagnosed(gain * (joint(X) + 0.6 * engaging))
+    assert set(found.verdict) == {"stiffness_asymmetry"} | ({"torque_gain"} if gain > 1.0 else set())
+    assert found.choice.features["in_sample_left"] < 0.1
 
 
 def test_one_factor_is_a_gain_and_several_errors_are_a_miscalibration() -> None:

@@ -50,6 +50,15 @@ def test_an_encoder_that_was_zeroed_at_home_has_no_offset_besides() -> None:
     assert found.verdict == ["encoder_eccentricity"]
 
 
+@pytest.mark.parametrize("periods", [40.0, 60.0])
+def test_an_encoder_of_many_pole_pairs_is_told(periods: float) -> None:
+    """Whose error has more waves within the stroke than can all be tried."""
+    _, x = swelling()
+    found = diagnosed(x + 0.006 * (np.sin(periods * x + 0.9) - np.sin(0.9)), joint(x))
+    assert found.verdict == ["encoder_eccentricity"]
+    assert found.effects[0].parameters["periods"] == pytest.approx(periods, rel=0.01)
+
+
 def test_an_encoder_error_with_an_offset_is_both() -> None:
     _, x = swelling()
     found = diagnosed(x + 0.02 * (np.sin(6.0 * x + 0.9) - np.sin(0.9)) + 0.03, joint(x))

@@ -21,6 +21,8 @@ __all__ = [
     "BOTH",
     "CLOCKS",
     "ELAPSED",
+    "FOUND_SPRING",
+    "FOUND_SPRING_EQUATION",
     "HIGH",
     "INPUT",
     "LOW",
@@ -43,6 +45,7 @@ __all__ = [
     "direction_laws",
     "geometric",
     "inside",
+    "odd_spring",
     "settled",
     "settling_limits",
     "settling_start",
@@ -155,6 +158,8 @@ class Form:
         ``start(shape, coefficients)`` of that fit gives this form's first shape; by default it is the same.
     overdone : bool
         Whether it takes away what the simulator has too much of; then it must bring more than a usual law.
+    guessed : bool
+        Whether it finds a part of the simulator itself, where others are told it; then, too, it must bring more.
     borders : sequence of (bool, bool)
         Whether at the lower and the upper limit of each shape begins another effect, of which the law is only an image
         there; nowhere if empty.
@@ -180,6 +185,7 @@ class Form:
     refines: tuple[str, ...] = ()
     start: Callable[[tuple[float, ...], Floats], tuple[float, ...]] | None = None
     overdone: bool = False
+    guessed: bool = False
     borders: Sequence[tuple[bool, bool]] = ()
     about: ColumnsAbout | None = None
     elsewhere: Form | None = None
@@ -337,7 +343,7 @@ def times(laws: Columns, *parts: Callable[[Scene], Floats]) -> Columns:
 def inside(form: Form, laws: Columns, parts: Collection[str] = PARTS) -> list[Form]:
     """Forms like ``form``, which scales the whole torque by ``laws`` (n, k), that scale a part of it.
 
-    The equation of ``form`` ends in that torque, ``y``.
+    The equation of ``form`` ends in that torque, ``y``. Where ``laws`` is one column the last of them finds that part anew.
     """
     made = []
     for name, part in ((name, PARTS[name]) for name in parts):
@@ -347,7 +353,36 @@ def inside(form: Form, laws: Columns, parts: Collection[str] = PARTS) -> list[Fo
         else:
             gain = form.equation.removesuffix(" * y").replace("y += ", "").replace("y -= ", "-")
             made.append(replace(of, about=_about(laws, part.about), equation=f"y += {part.symbol}({gain})"))
-    return made
+    return [*made, _of_a_spring_found_anew(form, laws, made)] if len(form.coefficients) == 1 else made
+
+
+def _of_a_spring_found_anew(form: Form, laws: Columns, parts: Sequence[Form]) -> Form:
+    """The whole torque and an odd spring change by ``laws`` (n, 1): the spring alone, or what is left of the torque without it.
+
+    Of many joints an emulator does not tell which part of the torque is elastic; how the gap changes may.
+    """
+    told, change = form.equation.split("= ", 1)
+    law = change.removeprefix(f"{form.coefficients[0]} * ").removesuffix(" * y")
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        return np.hstack([form.columns(scene, shape), laws(scene, shape) * odd_spring(scene)])
+
+    return replace(
+        form, name=f"{form.name}, of a spring found anew", coefficients=(*form.coefficients, *FOUND_SPRING), columns=columns,
+        lower=(*form.lower, -np.inf, -np.inf), upper=(*form.upper, np.inf, np.inf), grid=(), guessed=True,
+        refines=(form.name, *(part.name for part in parts)), equation=f"{told}= {change} + {law} * ({FOUND_SPRING_EQUATION})",
+    )  # fmt: skip
+
+
+FOUND_SPRING = "spring_rate", "spring_cubic"
+"""Names of the coefficients of a spring that an effect finds itself."""
+FOUND_SPRING_EQUATION = f"{FOUND_SPRING[0]} * x + {FOUND_SPRING[1]} * x**3"
+
+
+def odd_spring(scene: Scene) -> Floats:
+    """Columns of these, shape (n, 2)."""
+    x = scene.signals.smooth_x
+    return np.column_stack([x, x**3])
 
 
 def _about(laws: Columns, part: Callable[[Scene, Floats], Floats]) -> ColumnsAbout:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 
-from .base import EXACT_PARTS, TRAVEL, Columns, Effect, Floats, Form, Parameter, Scene, geometric, inside
+from .base import EXACT_PARTS, PARTS, TRAVEL, Columns, Effect, Floats, Form, Parameter, Scene, geometric, inside, times
 
 __all__ = ["CyclicSoftening"]
 
@@ -127,6 +128,20 @@ def _lost(worn: Worn) -> Columns:
     return lambda scene, shape: (-worn(scene, shape) * scene.torque)[:, None]
 
 
+def _within(form: Form, worn: Worn) -> list[Form]:
+    """Laws like ``form``, of the whole torque, that are of its parts, of one or, not alike, of both."""
+    parts = inside(form, _column(worn))
+    law = form.equation.removeprefix("y -= softening * ").removesuffix(" * y")
+    spring, friction = (PARTS[name] for name in EXACT_PARTS)
+    both = replace(
+        form, name=f"{form.name}, of spring and friction", coefficients=("spring_softening", "friction_softening"),
+        columns=times(_column(worn), spring.of, friction.of), lower=(*form.lower,) * 2, upper=(*form.upper,) * 2, grid=(),
+        refines=(form.name, *(part.name for part in parts)),
+        equation=f"y -= {law} * (spring_softening * {spring.symbol} + friction_softening * {friction.symbol})",
+    )  # fmt: skip
+    return [*parts, both]
+
+
 class CyclicSoftening(Effect):
     """The Mullins effect of rubber, wear or damage: each cycle takes a little of the torque."""
 
@@ -134,7 +149,7 @@ class CyclicSoftening(Effect):
     title: ClassVar[str] = "cyclic softening"
     summary: ClassVar[str] = "torque that falls with accumulated travel (Mullins effect, wear, damage)"
     equation: ClassVar[str] = (
-        "y −= a w y_sim (or a part of it),  w = 1 − exp(−travel/L), travel/(L + travel), log(1 + travel/L), travel, "
+        "y −= a w y_sim (or a part of it, or of its parts or it and a spring found anew, not alike),  w = 1 − exp(−travel/L), travel/(L + travel), log(1 + travel/L), travel, "
         "1 − exp(−(travel/L)^k), max(travel − L0, 0), travel^p, M^p with M the largest |x| so far, M − |x|, 1 − exp((x² − M²)/D²), reversals^p, 1 − exp(−∫|y dx|/W), the same of ∫y² |dx|, of ∫x² |dx| or of the losses, or 1 − exp(−reversals/N), log(1 + reversals/N), small ones counted or not"
     )
     coordinate: ClassVar[str] = "travel"
@@ -147,6 +162,12 @@ class CyclicSoftening(Effect):
             np.inf,
             "relative loss in the limit, or per travel",
         ),
+        Parameter("spring_softening", "as softening", 0.0, np.inf, "of the spring, where both parts wear"),
+        Parameter("friction_softening", "as softening", 0.0, np.inf, "of what has memory, where both wear"),
+        Parameter(
+            "spring_rate", "N·m/rad, or that by unit of w", -np.inf, np.inf, "lost of a spring that is found anew"
+        ),
+        Parameter("spring_cubic", "N·m/rad³, or that by unit of w", -np.inf, np.inf, "lost of its cubic part"),
         Parameter(
             "travel_constant", "rad", 0.0, np.inf, "travel after which 63 % (hyperbolic: half) of the loss has come"
         ),
@@ -180,12 +201,12 @@ class CyclicSoftening(Effect):
             """A law of the whole torque, and of its parts."""
             form = Form(name, ("softening",), _lost(worn), (0.0,), (most,), (shape,), grid, [ends],
                         equation=f"y -= softening * {equation} * y")  # fmt: skip
-            return [form, *inside(form, _column(worn))]
+            return [form, *_within(form, worn)]
 
         def proportional(name: str, worn: Worn, word: str, most: float) -> list[Form]:
             form = Form(name, ("softening",), _lost(worn), (0.0,), (1.0 / max(most, 1e-300),),
                         equation=f"y -= softening * {word} * y")  # fmt: skip
-            return [form, *inside(form, _column(worn))]
+            return [form, *_within(form, worn)]
 
         made = [
             *proportional("linear", _linear, "travel", total),
@@ -202,7 +223,7 @@ class CyclicSoftening(Effect):
                        equation="y -= softening * maximum(travel - begun, 0) * y")  # fmt: skip
         made += [
             failing,
-            *inside(failing, _column(_weibull)),
+            *_within(failing, _weibull),
             cracked,
             *inside(cracked, _column(_incubated), EXACT_PARTS),
         ]

@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Sequence
 from typing import ClassVar
 
 import numpy as np
+from scipy.signal import find_peaks
 
 from .base import INPUT, LOW, NOT, Columns, Effect, Floats, Form, Parameter, Scene, geometric
 from .images import is_one_sided_stiffness
@@ -23,6 +24,8 @@ shorter ones need not be known to come once."""
 TOLD = 0.8
 """What an error of the spring alone must leave of what a torque that waves with the place leaves of the gap's energy: on a linear
 spring both are the same, and of five such errors that were named on strangers' joints none was an encoder's."""
+FINE, ENOUGH = 3, 4000
+"""How many of the periods that are too short to try them all are tried, and of how many samples they are chosen."""
 ZEROED, SETTLED = "zero at home", "friction settled at home"
 """What is zero at home: the encoder's error, or only the friction, which has settled there."""
 
@@ -72,6 +75,27 @@ def _columns(harmonics: int, home: str = "") -> Columns:
 def _of_spring(scene: Scene, shape: tuple[float, ...]) -> Floats:
     """Bearings turn by what the joint turns; only the spring is where the sensor says."""
     return _by_waves(scene.spring_change, scene, shape[0])
+
+
+def _fine(scene: Scene, low: float, high: float) -> list[float]:
+    """The likeliest of many periods, from ``low`` to ``high``, by waves of the torque with the place and of its slope.
+
+    A start must be within half a wave over the stroke: of waves this short that would be many to carry through the simulator.
+    """
+    signals = scene.signals
+    rows = np.flatnonzero(signals.judged)
+    rows = rows[:: 1 + rows.size // ENOUGH]
+    x, small = signals.x, SMALL * signals.reach
+    slope = np.reshape(scene.torque_change(x + small) / small, (-1, 1))[rows]
+    angles = np.arange(low, high, 0.25 * np.pi / signals.reach)
+    closed = []
+    for n in angles:
+        waves = np.column_stack([np.sin(n * x[rows]), np.cos(n * x[rows])])
+        columns = np.hstack([waves, slope * waves])
+        moment = columns.T @ signals.gap[rows]
+        closed.append(moment @ np.linalg.lstsq(columns.T @ columns, moment, rcond=1e-10)[0])
+    peaks = find_peaks(np.concatenate([[0.0], closed, [0.0]]))[0] - 1
+    return [float(angles[k]) for k in sorted(peaks, key=lambda k: -closed[k])[:FINE]]
 
 
 def _is_told_from_detents(scene: Scene, angles: Sequence[float]) -> bool:
@@ -168,8 +192,9 @@ class EncoderEccentricity(Effect):
     def forms(self, scene: Scene) -> list[Form]:
         reach = scene.signals.reach
         # At least half a period within the stroke, at most thirty; slower waves are an offset and a gain.
-        low, high = 0.5 * np.pi / reach, 30.0 * np.pi / reach
-        grid = [(n,) for n in geometric(low, 12.0 * np.pi / reach, 36)]
+        low, short, high = (waves * np.pi / reach for waves in (0.5, 12.0, 30.0))
+        usual = geometric(low, short, 36)
+        grid = [(n,) for n in (*usual, *_fine(scene, short, high))]
         wide = 0.2 * reach
         small = (-wide,) * 2, (wide,) * 2
         unit = ("_unit",), (1.0,), (1.0,)
@@ -199,9 +224,11 @@ class EncoderEccentricity(Effect):
                     Form(f"once a turn of the true angle, two harmonics{told}", unit[0], _once_a_turn(_of_true_angle(home)),
                          *unit[1:], SIZES, (), [size] * 4, (once,), _from_sine_twice, equation=of_true_angle),
                 ]  # fmt: skip
-        if _is_told_from_detents(scene, [n for (n,) in grid]):
+        if _is_told_from_detents(scene, usual):
             made.append(
-                Form("sine, of the spring", SIZES[:2], _of_spring, *small, ("periods",), (), [span], ("sine",), borders=[LOW],
+                # Short waves of a spring alone are those that detents make, on any spring.
+                Form("sine, of the spring", SIZES[:2], _of_spring, *small, ("periods",), (), [span], ("sine",),
+                     lambda shape, _: (min(shape[0], short),), borders=[LOW],
                      equation=f"{_equation(1, '')}, in the elastic part alone")
             )  # fmt: skip
         return made

@@ -11,6 +11,8 @@ import numpy as np
 from ..operators.levels import slid, yielding
 from .base import (
     BOTH,
+    FOUND_SPRING,
+    FOUND_SPRING_EQUATION,
     LOW,
     NOT,
     PARTS,
@@ -24,6 +26,7 @@ from .base import (
     Part,
     Scene,
     direction_laws,
+    odd_spring,
     overdone_friction,
 )
 
@@ -45,6 +48,11 @@ LOAD_WORDS = ("pressure", "load", "force", "tension", "preload", "clamp", "bar")
 
 def _columns(law: DirectionLaw, load: Callable[[Scene], Floats]) -> Callable[[Scene, tuple[float, ...]], Floats]:
     return lambda scene, shape: (np.abs(load(scene)) * law.signal(scene.signals, shape[0]))[:, None]
+
+
+def _by_a_found_spring(law: DirectionLaw) -> Columns:
+    """By the torque of an odd spring, which the simulator has and which is not told from its friction."""
+    return lambda scene, shape: np.abs(odd_spring(scene)) * law.signal(scene.signals, shape[0])[:, None]
 
 
 def _measured(channel: str) -> Callable[[Scene], Floats]:
@@ -150,7 +158,7 @@ class LoadDependentFriction(Effect):
     title: ClassVar[str] = "load-dependent friction"
     summary: ClassVar[str] = "friction in proportion to the transmitted load (gear teeth, pulleys, pressed seals)"
     equation: ClassVar[str] = (
-        "y += μ |y_sim| s   (|load channel|, Y |y_sim/Y|^p with the largest torque Y, max(|y_sim| − T, 0), or the elastic part in place of |y_sim|; μ' where the joint is driven "
+        "y += μ |y_sim| s   (|load channel|, Y |y_sim/Y|^p with the largest torque Y, max(|y_sim| − T, 0), or the elastic part, or |k x + k3 x³|, in place of |y_sim|; μ' where the joint is driven "
         "back, or the load is negative; or |y_sim + bias|, or that on one side only; contacts of constant stiffness that give way at μ |y_sim|, or at μ' |y_sim|; or friction inside the joint that slides later under load)"
     )
     coordinate: ClassVar[str] = "load"
@@ -164,6 +172,8 @@ class LoadDependentFriction(Effect):
         ),
         Parameter("friction_coefficient_back", "1", 0.0, np.inf, "μ', where the joint is driven back"),
         Parameter("friction_coefficient_below", "1", 0.0, np.inf, "where the load is negative, if it differs there"),
+        Parameter("spring_rate", "N·m/rad", 0.0, np.inf, "friction by deflection, of a spring that is found anew"),
+        Parameter("spring_cubic", "N·m/rad³", -np.inf, np.inf, "of its cubic part"),
         Parameter("bias", "N·m", -np.inf, np.inf, "load that the contacts carry besides: a weight, a preload"),
         Parameter("driven_ratio", "1", 0.1, 10.0, "μ' / μ"),
         Parameter("power", "1", 0.4, POWER, "p of the load"),
@@ -210,6 +220,9 @@ class LoadDependentFriction(Effect):
                 Form(f"by elastic torque, {law.name}", ("friction_coefficient",), _columns(law, carried["elastic torque"].of), (0.0,), (np.inf,),
                      (law.parameter,), (), [law.limits], simple,
                      equation=f"y += friction_coefficient * abs(y_spring) * {law.equation}"),
+                Form(f"by a spring found anew, {law.name}", FOUND_SPRING, _by_a_found_spring(law), (0.0, -np.inf), (np.inf,) * 2,
+                     (law.parameter,), (), [law.limits], (*simple, f"by elastic torque, {law.name}"), guessed=True,
+                     equation=f"y += ({FOUND_SPRING_EQUATION}) * sign(x) * {law.equation}"),
                 *(
                     Form(f"by {of}, driving and driven, {law.name}", ("friction_coefficient", "friction_coefficient_back"),
                          _efficiency(law, load.of), (0.0,) * 2, (np.inf,) * 2, (law.parameter,), (), [law.limits], (f"by {of}, {law.name}",),

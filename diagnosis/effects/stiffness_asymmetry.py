@@ -7,7 +7,21 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import BOTH, NOT, PARTS, Columns, Effect, Floats, Form, Parameter, Part, Scene
+from .base import (
+    BOTH,
+    FOUND_SPRING,
+    FOUND_SPRING_EQUATION,
+    NOT,
+    PARTS,
+    Columns,
+    Effect,
+    Floats,
+    Form,
+    Parameter,
+    Part,
+    Scene,
+    odd_spring,
+)
 from .images import is_shifted_spring
 
 __all__ = ["StiffnessAsymmetry"]
@@ -73,14 +87,23 @@ def _ramped(side: float) -> Columns:
     return columns
 
 
-def _from_place(side: float) -> Columns:
-    """Stiffer from a place on that is not the zero, on the side of ±1 of it; all of the change is rounded."""
+def _from_place(side: float, settled: bool) -> Columns:
+    """Stiffer from a place on that is not the zero, on the side of ±1 of it; all of the change is rounded.
+
+    ``settled`` if it makes no torque at zero, so that what it makes on the other side is a preload.
+    """
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         place, knee = shape
-        return (side * knee * np.logaddexp(0.0, side * (scene.signals.smooth_x - place) / knee))[:, None]
+        at_zero = np.logaddexp(0.0, -side * place / knee) if settled else 0.0
+        return (side * knee * (np.logaddexp(0.0, side * (scene.signals.smooth_x - place) / knee) - at_zero))[:, None]
 
     return columns
+
+
+def _found_anew(side: float) -> Columns:
+    """An odd spring of its own on one side (±1), where the simulator's is not told from its friction."""
+    return lambda scene, shape: odd_spring(scene) * (side * scene.signals.smooth_x > 0.0)[:, None]
 
 
 def _unequal(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -118,8 +141,8 @@ def _stretched(side: float) -> Columns:
     return columns
 
 
-SIDES = (1.0, "", "upper side"), (-1.0, "-", "lower side")
-"""Of the deflection: as a factor, as an equation's sign and in words."""
+SIDES = (1.0, "", "-", "upper side"), (-1.0, "-", "", "lower side")
+"""Of the deflection: as a factor, as an equation's sign, the other way round and in words."""
 ONE_SIDED = 1e-3
 """Share of its energy by which a law must differ from a factor on the torque, or on the spring, to be of one side only."""
 
@@ -143,7 +166,7 @@ class StiffnessAsymmetry(Effect):
     title: ClassVar[str] = "stiffness asymmetry"
     summary: ClassVar[str] = "stiffer on one side than on the other (unequal springs, one-sided contact)"
     equation: ClassVar[str] = (
-        "y += k max(±x, 0), k |x| (sharp or rounded), the first also from another place on, k2 x² (also on one side, there beside k), Y (±x/X)^p on one side of the stroke X, g y_sim or its elastic part on one side (also growing up to a place), under torque of one sign, in proportion to x or of opposite sign "
+        "y += k max(±x, 0), k |x| (sharp or rounded), the first also from another place on, k2 x² (also on one side, there beside k), k x + k3 x³ on one side, Y (±x/X)^p on one side of the stroke X, g y_sim or its elastic part on one side (also growing up to a place), under torque of one sign, in proportion to x or of opposite sign "
         "on both, or x → x + s max(±x, 0)"
     )
     coordinate: ClassVar[str] = "position"
@@ -161,6 +184,8 @@ class StiffnessAsymmetry(Effect):
         ),
         Parameter("extra_gain", "1", -1.0, 1.0, "relative difference of one side"),
         Parameter("other_gain", "1", -1.0, 1.0, "the same of the negative side the other way round"),
+        Parameter("spring_rate", "N·m/rad", -np.inf, np.inf, "added on one side, of a spring that is found anew"),
+        Parameter("spring_cubic", "N·m/rad³", -np.inf, np.inf, "of its cubic part"),
         Parameter("extra_torque", "N·m", -np.inf, np.inf, "Y, of one side at the stroke's end"),
         Parameter("power", "1", 1.2, 5.0, "p, with which that grows"),
         Parameter("place", "rad", -np.inf, np.inf, "from which on it is stiffer, where that is not the zero"),
@@ -212,28 +237,39 @@ class StiffnessAsymmetry(Effect):
         made += [
             Form(f"progressive, {told}", ("extra_stiffness", "extra_stiffness_slope"), _progressively(side), (0.0,) * 2, (np.inf,) * 2,
                  equation=f"y += {sign}(extra_stiffness * maximum({sign}x, 0) + extra_stiffness_slope * maximum({sign}x, 0)**2)")
-            for side, sign, told in SIDES
+            for side, sign, _, told in SIDES
         ]  # fmt: skip
         made += [
             Form(f"hardening, {told}", ("extra_torque",), _hardening_by(side), *free, ("power",), (), [(1.2, 5.0)],
                  (f"quadratic, {told}",), lambda shape, coefficients: (2.5,),
                  equation=f"y += {sign}extra_torque * (maximum({sign}x, 0) / {reach:.8g})**power")
-            for side, sign, told in SIDES
+            for side, sign, _, told in SIDES
         ]  # fmt: skip
         made += [
             Form(f"elastic torque, {told}, ramped", ("extra_gain",), _ramped(side), *gain, ("ramp",), (),
                  [(0.05 * reach, reach)], (f"elastic torque, {told}",), lambda shape, coefficients: (0.4 * reach,),
                  equation=f"y += extra_gain * y_spring * minimum(maximum({sign}x / ramp, 0), 1)")
-            for side, sign, told in SIDES
+            for side, sign, _, told in SIDES
         ]  # fmt: skip
         middle = 0.5 * float(scene.signals.smooth_x.min() + scene.signals.smooth_x.max())
         made += [
             # Nearer to the ends it would be a stop.
-            Form(f"from a place on, {told}", ("extra_stiffness",), _from_place(side), *free, ("place", "knee"), (),
-                 [(middle - 0.25 * reach, middle + 0.25 * reach), *knee], (f"spring, {told}",),
-                 lambda shape, coefficients: (middle, 0.03 * reach), borders=[BOTH, NOT],
-                 equation=f"y += {sign}extra_stiffness * knee * logaddexp(0, {sign}(x - place) / knee)")
-            for side, sign, told in SIDES
+            Form(f"from a place on, {told}{at_zero}", ("extra_stiffness",), _from_place(side, bool(at_zero)), *free, ("place", "knee"), (),
+                 [(middle - 0.25 * reach, middle + 0.25 * reach), *knee], tuple(law.format(told) for law in simpler),
+                 lambda shape, coefficients: (middle, *(shape or (0.03 * reach,))), borders=[BOTH, NOT],
+                 equation=f"y += {sign}extra_stiffness * knee * {rounded}")
+            for side, sign, other, told in SIDES
+            for at_zero, rounded, simpler in (
+                ("", f"logaddexp(0, {sign}(x - place) / knee)", ("spring, {}",)),
+                (", none at zero", f"(logaddexp(0, {sign}(x - place) / knee) - logaddexp(0, {other}place / knee))",
+                 ("spring, {}", "spring, {}, rounded", "elastic torque, {}, rounded")),
+            )
+        ]  # fmt: skip
+        made += [
+            Form(f"of a spring found anew, {told}", FOUND_SPRING, _found_anew(side), (-np.inf,) * 2, (np.inf,) * 2, grid=(), guessed=True,
+                 refines=tuple(f"{law}, {told}" for law in ("spring", "elastic torque", "progressive")),
+                 equation=f"y += ({sign}x > 0) * ({FOUND_SPRING_EQUATION})")
+            for side, sign, _, told in SIDES
         ]  # fmt: skip
         for what, part, name, bounds in (
             ("spring", Part("x", lambda scene: scene.signals.smooth_x), "extra_stiffness", free),

@@ -8,7 +8,24 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import BOTH, HIGH, LOW, NOT, PARTS, Columns, Effect, Floats, Form, Parameter, Part, Scene, geometric
+from .base import (
+    BOTH,
+    FOUND_SPRING,
+    FOUND_SPRING_EQUATION,
+    HIGH,
+    LOW,
+    NOT,
+    PARTS,
+    Columns,
+    Effect,
+    Floats,
+    Form,
+    Parameter,
+    Part,
+    Scene,
+    geometric,
+    odd_spring,
+)
 
 __all__ = ["StressRelaxation"]
 
@@ -36,6 +53,16 @@ def _missing(part: Callable[[Scene], Floats]) -> Columns:
 def _in_between(part: Callable[[Scene], Floats]) -> Columns:
     """The simulator knows ``part`` while it relaxes: a share of what has relaxed is missing, the rest of it still to come."""
     return lambda scene, shape: np.hstack([_relaxing(part)(scene, shape), _missing(part)(scene, shape)])
+
+
+def _of_a_found_spring(branches: Callable[[Callable[[Scene], Floats]], Columns]) -> Columns:
+    """The same of an odd spring, which the simulator has and which is not told from its friction."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        linear, cubic = odd_spring(scene).T
+        return np.hstack([branches(lambda _: linear)(scene, shape), branches(lambda _: cubic)(scene, shape)])
+
+    return columns
 
 
 def _spectrum(branches: Columns) -> Columns:
@@ -157,6 +184,10 @@ class StressRelaxation(Effect):
         Parameter(
             "share_relaxed", "1", 0.0, np.inf, "part of the elastic torque that the simulator has though it relaxes"
         ),
+        Parameter(
+            "spring_rate", "N·m/rad", 0.0, np.inf, "of a spring that relaxes, where the simulator's is not known"
+        ),
+        Parameter("spring_cubic", "N·m/rad³", -np.inf, np.inf, "by which that spring hardens or softens"),
         Parameter("time_constant", "s", 0.0, np.inf, "of the (first) branch"),
         Parameter("held", "N·m", -np.inf, np.inf, "what the branch held when the recording began amid a motion"),
         Parameter("rest", "N·m", -np.inf, np.inf, "torque to which the joint had relaxed before the recording began"),
@@ -232,6 +263,12 @@ class StressRelaxation(Effect):
                 equation=f"y -= share * (rise({y}) - creep({y}, time_constant, power, {scene.signals.strongest:.8g}))",
             )  # fmt: skip
 
+        def found_anew(name: str, law: Callable[[Callable[[Scene], Floats]], Columns], equation: str) -> Form:
+            return Form(
+                name, FOUND_SPRING, _of_a_found_spring(law), (0.0, -np.inf), (np.inf, np.inf), ("time_constant",), (), [limits],
+                tuple(form.name for form in single), guessed=True, borders=[LOW], equation=equation,
+            )  # fmt: skip
+
         settled = f"lowpass({SPRING.symbol}, time_constant)"
         in_series = "x = x - compliance * lowpass(y, time_constant)"
         # As soft as that the joint itself would hardly move.
@@ -296,6 +333,9 @@ class StressRelaxation(Effect):
             Form("creep in series", ("_unit",), _compliant_in_series, (1.0,), (1.0,), ("time_constant", "compliance"), (),
                  [limits, (1e-4 * soft, soft)], ("creep in series, small",), lambda shape, found: (*shape, float(found[0])),
                  borders=[LOW, NOT], equation=in_series),
+            found_anew("of a spring found anew, down", _missing, f"y -= lowpass({FOUND_SPRING_EQUATION}, time_constant)"),
+            found_anew("of a spring found anew", _relaxing,
+                       f"y += {FOUND_SPRING_EQUATION} - lowpass({FOUND_SPRING_EQUATION}, time_constant)"),
             *down,
             *up,
             spectrum("from the torque down, spectrum", TORQUE, True, "from the torque down"),

@@ -145,7 +145,7 @@ class ThermalDrift(Effect):
     title: ClassVar[str] = "thermal drift"
     summary: ClassVar[str] = "zero or stiffness that drifts with time or temperature while the joint warms up"
     equation: ClassVar[str] = (
-        "y += a w, a w y_sim (or a part of it) or both, a w + a2 w2, or w times a sum of its parts,  w = 1 − exp(−t/τ), t, 1 − exp(−(t − t0)/τ) from t0 on or the difference of these two, lagged |y v|, v², y² or |f v| of the part f with memory, sin(2πt/P) with "
+        "y += a w, a w y_sim (or a part of it) or both, a w + a2 w2, or w times a sum of its parts or a spring found anew,  w = 1 − exp(−t/τ), t, 1 − exp(−(t − t0)/τ) from t0 on or the difference of these two, lagged |y v|, v², y² or |f v| of the part f with memory, sin(2πt/P) with "
         "b (cos(2πt/P) − 1) or b cos(2πt/P), or temperature rise"
     )
     coordinate: ClassVar[str] = "time"
@@ -156,6 +156,14 @@ class ThermalDrift(Effect):
         Parameter("stiffness_drift", "1, 1/s, 1/W, s²/rad² or 1/K", -np.inf, np.inf, "relative drift of the torque"),
         Parameter("spring_drift", "1 or 1/W", -np.inf, np.inf, "relative drift of the elastic torque"),
         Parameter("friction_drift", "1 or 1/W", -np.inf, np.inf, "relative drift of what has memory"),
+        Parameter(
+            "spring_rate",
+            "N·m/rad, or that /s, /W, s²/rad² or /K",
+            -np.inf,
+            np.inf,
+            "change of a spring that is found anew",
+        ),
+        Parameter("spring_cubic", "N·m/rad³, or that /s, /W, s²/rad² or /K", -np.inf, np.inf, "of its cubic part"),
         Parameter("zero_drift_cos", "N·m", -np.inf, np.inf, "b, cosine part of a slow wave of the zero"),
         Parameter("stiffness_drift_cos", "1", -np.inf, np.inf, "b, cosine part of a slow wave of the torque"),
         Parameter("time_constant", "s", 0.0, np.inf, "of warming up"),

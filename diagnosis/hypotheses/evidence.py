@@ -46,8 +46,8 @@ FINE = 0.02
 """Relative error of the simulator's fine structure that is no miscalibration: no two models agree better."""
 NOTICEABLE = 0.1
 """Noise levels, over the whole recording, by which the largest errors must move a direction for it to be looked at."""
-OVERDONE = 3
-"""Free constants by which a law is charged that takes away what a simulator has too much of."""
+OVERDONE, GUESSED = 3, 5
+"""Free constants by which a law is charged that takes away what a simulator has too much of, and one that finds a part of it itself."""
 TRUSTED = 6000.0
 """Samples beyond which evidence does not grow."""
 ENOUGH = 2500
@@ -490,6 +490,6 @@ def passes_of(scene: SimulatorScene, terms: Sequence[Term]) -> int:
 
 
 def count_unknowns(terms: Sequence[Term]) -> int:
-    """Free coefficients and shapes, and what laws are charged for besides that take away what a simulator has."""
+    """Free coefficients and shapes, and what laws are charged for besides that take away what a simulator has, or find it."""
     free = sum(lo != up for term in terms for lo, up in zip(term.form.lower, term.form.upper, strict=True))
-    return free + sum(len(term.shape) + OVERDONE * term.form.overdone for term in terms)
+    return free + sum(len(t.shape) + OVERDONE * t.form.overdone + GUESSED * t.form.guessed for t in terms)
