@@ -6,6 +6,7 @@ import numpy as np
 from joints import sliders
 from motions import swelling
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 
 from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.recording.signals import Signals
@@ -27,6 +28,11 @@ def friction(x: Floats) -> Floats:
 
 def joint(x: Floats) -> Floats:
     return spring(x) + friction(x)
+
+
+def lagged(u: Floats, tau: float) -> Floats:
+    """``u`` (n,) behind a lag of the first order that was at rest, by the sample."""
+    return np.asarray(lfilter([STEP / tau], [1.0, STEP / tau - 1.0], u))
 
 
 TIME, X = swelling()

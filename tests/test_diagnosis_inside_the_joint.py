@@ -23,6 +23,7 @@ from slider_joint import (
     friction,
     friction_that_is_off,
     joint,
+    lagged,
     signals,
     spring,
 )
@@ -142,10 +143,6 @@ def test_friction_that_knows_the_speed_alone_has_a_strength_and_its_damper_has_n
 
 def hard_spring(x: Floats) -> Floats:
     return 2.0 * x + 3.0 * x**3
-
-
-def lagged(u: Floats, tau: float) -> Floats:
-    return np.asarray(lfilter([STEP / tau], [1.0, STEP / tau - 1.0], u))
 
 
 SPRING, PLAYS = hard_spring(X), plays(X, np.array([0.05, 0.15, 0.3])) @ np.array([1.0, 0.8, 0.7])

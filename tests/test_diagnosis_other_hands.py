@@ -21,6 +21,7 @@ from slider_joint import (
     diagnosed,
     friction,
     joint,
+    lagged,
     signals,
     spring,
 )
@@ -112,10 +113,6 @@ def rubbed_warm(tau: float) -> Floats:
 def deep(x: Floats, stop: float) -> Floats:
     """How deep a stop at either end is pressed, the lower one with a minus."""
     return np.sign(x) * np.maximum(np.abs(x) - stop, 0.0)
-
-
-def lagged(u: Floats, tau: float) -> Floats:
-    return np.asarray(lfilter([STEP / tau], [1.0, STEP / tau - 1.0], u))
 
 
 def since(start: float, tau: float) -> Floats:
