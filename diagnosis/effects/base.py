@@ -159,7 +159,7 @@ class Form:
     overdone : bool
         Whether it takes away what the simulator has too much of; then it must bring more than a usual law.
     guessed : bool
-        Whether it finds a part of the simulator itself, where others are told it; then, too, it must bring more.
+        Whether it finds itself on what part of the simulator it acts, where others are told; then, too, it must bring more.
     borders : sequence of (bool, bool)
         Whether at the lower and the upper limit of each shape begins another effect, of which the law is only an image
         there; nowhere if empty.

@@ -135,7 +135,7 @@ def _within(form: Form, worn: Worn) -> list[Form]:
     spring, friction = (PARTS[name] for name in EXACT_PARTS)
     both = replace(
         form, name=f"{form.name}, of spring and friction", coefficients=("spring_softening", "friction_softening"),
-        columns=times(_column(worn), spring.of, friction.of), lower=(*form.lower,) * 2, upper=(*form.upper,) * 2, grid=(),
+        columns=times(_column(worn), spring.of, friction.of), lower=(*form.lower,) * 2, upper=(*form.upper,) * 2, grid=(), guessed=True,
         refines=(form.name, *(part.name for part in parts)),
         equation=f"y -= {law} * (spring_softening * {spring.symbol} + friction_softening * {friction.symbol})",
     )  # fmt: skip

@@ -47,7 +47,7 @@ FINE = 0.02
 NOTICEABLE = 0.1
 """Noise levels, over the whole recording, by which the largest errors must move a direction for it to be looked at."""
 OVERDONE, GUESSED = 3, 5
-"""Free constants by which a law is charged that takes away what a simulator has too much of, and one that finds a part of it itself."""
+"""Free constants by which a law is charged that takes away what a simulator has too much of, and one that finds itself on which part it acts."""
 TRUSTED = 6000.0
 """Samples beyond which evidence does not grow."""
 ENOUGH = 2500
@@ -289,10 +289,11 @@ class Evidence:
     def forms_of(self, effect: Effect) -> list[Form]:
         """The effect's laws; a model that was fitted to the joint has nothing too much of which it would not have got rid.
 
-        Some look at the gap for that, so that they are made once.
+        Nor is it asked what laws find that its refit would make up for. Some look at the gap, so that they are made once.
         """
         if effect not in self._forms:
-            self._forms[effect] = [f for f in effect.forms(self.scene) if not (self.fitted and f.overdone)]
+            made = effect.forms(self.scene)
+            self._forms[effect] = [f for f in made if not (self.fitted and (f.overdone or f.guessed))]
         return self._forms[effect]
 
     def inside(self, columns: Floats) -> Floats:
@@ -490,6 +491,6 @@ def passes_of(scene: SimulatorScene, terms: Sequence[Term]) -> int:
 
 
 def count_unknowns(terms: Sequence[Term]) -> int:
-    """Free coefficients and shapes, and what laws are charged for besides that take away what a simulator has, or find it."""
+    """Free coefficients and shapes, and what laws are charged for besides that take away a part of the simulator or find one."""
     free = sum(lo != up for term in terms for lo, up in zip(term.form.lower, term.form.upper, strict=True))
     return free + sum(len(t.shape) + OVERDONE * t.form.overdone + GUESSED * t.form.guessed for t in terms)
