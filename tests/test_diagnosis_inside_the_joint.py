@@ -138,9 +138,6 @@ def test_friction_that_knows_the_speed_alone_has_a_strength_and_its_damper_has_n
     assert found.choice.hypothesis.terms[0].form.name == "stiffness, exponential, of the friction's strength"
 
 
-# ---- one factor, or several errors -------------------------------------------------------------------------------------
-
-
 def hard_spring(x: Floats) -> Floats:
     return 2.0 * x + 3.0 * x**3
 
@@ -177,6 +174,9 @@ def test_a_softly_engaging_spring_that_makes_no_torque_at_zero_needs_no_errors_o
     found = diagnosed(gain * (joint(X) + 0.6 * engaging))
     assert set(found.verdict) == {"stiffness_asymmetry"} | ({"torque_gain"} if gain > 1.0 else set())
     assert found.choice.features["in_sample_left"] < 0.1
+
+
+# ---- one factor, or several errors -------------------------------------------------------------------------------------
 
 
 def test_one_factor_is_a_gain_and_several_errors_are_a_miscalibration() -> None:

@@ -45,6 +45,7 @@ __all__ = [
     "direction_laws",
     "geometric",
     "inside",
+    "law_of",
     "odd_spring",
     "settled",
     "settling_limits",
@@ -356,13 +357,16 @@ def inside(form: Form, laws: Columns, parts: Collection[str] = PARTS) -> list[Fo
     return [*made, _of_a_spring_found_anew(form, laws, made)] if len(form.coefficients) == 1 else made
 
 
+def law_of(form: Form) -> str:
+    """What a form of one coefficient scales the whole torque by, for a coefficient of one, from its equation."""
+    return form.equation.split("= ", 1)[1].removeprefix(f"{form.coefficients[0]} * ").removesuffix(" * y")
+
+
 def _of_a_spring_found_anew(form: Form, laws: Columns, parts: Sequence[Form]) -> Form:
     """The whole torque and an odd spring change by ``laws`` (n, 1): the spring alone, or what is left of the torque without it.
 
     Of many joints an emulator does not tell which part of the torque is elastic; how the gap changes may.
     """
-    told, change = form.equation.split("= ", 1)
-    law = change.removeprefix(f"{form.coefficients[0]} * ").removesuffix(" * y")
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         return np.hstack([form.columns(scene, shape), laws(scene, shape) * odd_spring(scene)])
@@ -370,7 +374,7 @@ def _of_a_spring_found_anew(form: Form, laws: Columns, parts: Sequence[Form]) ->
     return replace(
         form, name=f"{form.name}, of a spring found anew", coefficients=(*form.coefficients, *FOUND_SPRING), columns=columns,
         lower=(*form.lower, -np.inf, -np.inf), upper=(*form.upper, np.inf, np.inf), grid=(), guessed=True,
-        refines=(form.name, *(part.name for part in parts)), equation=f"{told}= {change} + {law} * ({FOUND_SPRING_EQUATION})",
+        refines=(form.name, *(part.name for part in parts)), equation=f"{form.equation} + {law_of(form)} * ({FOUND_SPRING_EQUATION})",
     )  # fmt: skip
 
 

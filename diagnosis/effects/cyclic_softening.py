@@ -8,7 +8,21 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import EXACT_PARTS, PARTS, TRAVEL, Columns, Effect, Floats, Form, Parameter, Scene, geometric, inside, times
+from .base import (
+    EXACT_PARTS,
+    PARTS,
+    TRAVEL,
+    Columns,
+    Effect,
+    Floats,
+    Form,
+    Parameter,
+    Scene,
+    geometric,
+    inside,
+    law_of,
+    times,
+)
 
 __all__ = ["CyclicSoftening"]
 
@@ -131,13 +145,12 @@ def _lost(worn: Worn) -> Columns:
 def _within(form: Form, worn: Worn) -> list[Form]:
     """Laws like ``form``, of the whole torque, that are of its parts, of one or, not alike, of both."""
     parts = inside(form, _column(worn))
-    law = form.equation.removeprefix("y -= softening * ").removesuffix(" * y")
     spring, friction = (PARTS[name] for name in EXACT_PARTS)
     both = replace(
         form, name=f"{form.name}, of spring and friction", coefficients=("spring_softening", "friction_softening"),
         columns=times(_column(worn), spring.of, friction.of), lower=(*form.lower,) * 2, upper=(*form.upper,) * 2, grid=(), guessed=True,
         refines=(form.name, *(part.name for part in parts)),
-        equation=f"y -= {law} * (spring_softening * {spring.symbol} + friction_softening * {friction.symbol})",
+        equation=f"y -= {law_of(form)} * (spring_softening * {spring.symbol} + friction_softening * {friction.symbol})",
     )  # fmt: skip
     return [*parts, both]
 
