@@ -2,18 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import functools
+from collections.abc import Callable, Iterable
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
 
+def compiled(joint: Callable[..., Floats]) -> Callable[..., Floats]:
+    """A joint of a time, a deflection, an error and what else it takes, compiled once for all of its callers."""
+    quick = njit(cache=True)(joint)
+
+    @functools.wraps(joint)
+    def called(time: Floats, x: Floats, e: float = 0.0, *others: float) -> Floats:
+        return np.asarray(quick(np.ascontiguousarray(time), np.ascontiguousarray(x), float(e), *others))
+
+    return called
+
+
 def sliders(x: Floats, elements: Iterable[tuple[float, float]]) -> Floats:
     """Torque of parallel springs with sliders, each of a stiffness and the torque at which it slides, shape (n,)."""
+    return np.asarray(_slid(np.ascontiguousarray(x), np.array(list(elements), dtype=float)))
+
+
+@njit(cache=True)
+def _slid(x: Floats, elements: Floats) -> Floats:
     out = np.zeros_like(x)
-    for stiffness, limit in elements:
+    for k in range(len(elements)):
+        stiffness, limit = elements[k]
         force, last = 0.0, 0.0
         for i, value in enumerate(x):
             force = min(max(force + stiffness * (value - last), -limit), limit)
@@ -40,20 +59,29 @@ def through_a_clearance(
 
     It is at the flank to which the torque presses it or, where flanks yield over a torque ``soft``, on the way there.
     """
-    elastic, limit = (np.array(part) for part in zip(*elements, strict=True))
+    elastic, limit = (np.array(part, dtype=float) for part in zip(*elements, strict=True))
+    return np.asarray(_crossed(np.ascontiguousarray(x), float(width), float(stiffness), elastic, limit, soft or 0.0))
+
+
+@njit(cache=True)
+def _after(force: Floats, moved: float, elastic: Floats, limit: Floats) -> Floats:
+    return np.minimum(np.maximum(force + elastic * moved, -limit), limit)
+
+
+@njit(cache=True)
+def _crossed(x: Floats, width: float, stiffness: float, elastic: Floats, limit: Floats, soft: float) -> Floats:
     force, last, out = np.zeros(limit.size), 0.0, np.empty_like(x)
-
-    def after(place: float) -> Floats:
-        return np.clip(force + elastic * (place - last), -limit, limit)
-
     for i, value in enumerate(x):
-        low, high = value - 0.5 * width, value + 0.5 * width
+        low, high, place = value - 0.5 * width, value + 0.5 * width, value
         for _ in range(32):
             place = 0.5 * (low + high)
-            torque = stiffness * place + after(place).sum()
-            pressed = np.sign(torque) if soft is None else np.tanh(torque / soft)
-            low, high = (low, place) if place + 0.5 * width * pressed > value else (place, high)
-        force, last = after(place), place
+            torque = stiffness * place + _after(force, place - last, elastic, limit).sum()
+            pressed = np.tanh(torque / soft) if soft else np.sign(torque)
+            if place + 0.5 * width * pressed > value:
+                high = place
+            else:
+                low = place
+        force, last = _after(force, place - last, elastic, limit), place
         out[i] = stiffness * place + force.sum()
     return out
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
+from joints import compiled
 from numpy.typing import NDArray
 
 __all__ = ["breaking_away", "flowing_gel", "leaking_drive", "magnet", "phase_changing", "steel"]
@@ -33,6 +34,7 @@ def phase_changing(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return np.asarray(total)
 
 
+@compiled
 def flowing_gel(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """A gel that flows beyond its yield point, by the square of how far it is over it, in small steps, beside a spring."""
     force, out, fine = 0.0, np.zeros(x.size), 40
@@ -46,6 +48,7 @@ def flowing_gel(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 3.0 * (1.0 + e) * x + out
 
 
+@compiled
 def breaking_away(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """An elasto-plastic bristle whose friction falls with the speed and that resists its own, in small steps."""
     z, out, fine = 0.0, np.zeros(x.size), 20
@@ -64,13 +67,14 @@ def breaking_away(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 5.0 * (1.0 + e) * x + out
 
 
+@compiled
 def leaking_drive(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """A pneumatic drive of two chambers that leak to what surrounds them, whose pressure presses the seal."""
     over, out, fine, rubs = np.zeros(2), np.zeros(x.size), 10, 0.0
     sides, reach = np.array([1.0, -1.0]), 2.2 * (1.0 + e)
     volume = 1.0 + sides * x[0] / reach
     for i in range(1, x.size):
-        rubs = float(np.clip(rubs + (x[i] - x[i - 1]) / 0.05, -1.0, 1.0))
+        rubs = min(max(rubs + (x[i] - x[i - 1]) / 0.05, -1.0), 1.0)
         for k in range(fine):
             now = 1.0 + sides * (x[i - 1] + (x[i] - x[i - 1]) * (k + 1) / fine) / reach
             over = (1.0 + over) * (volume / now) ** 1.3 - 1.0
@@ -80,6 +84,7 @@ def leaking_drive(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 4.0 * (1.0 - e) * x + out
 
 
+@compiled
 def magnet(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """A magnetic drive by Jiles and Atherton's equation in small explicit steps, beside a spring."""
     shape, pinned, coupling, bends = 0.2 * (1.0 + e), 0.15 * (1.0 - e), 0.03, 0.2 * (1.0 + e)

@@ -6,14 +6,17 @@ from collections.abc import Callable
 from math import erf
 
 import numpy as np
-from joints import sliders
+from joints import compiled, sliders
 from material_simulators import breaking_away, flowing_gel, leaking_drive, magnet, phase_changing, steel
+from numba import njit
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 Floats = NDArray[np.float64]
-Pads = tuple[float, float] | None
+Pads = tuple[float, float]
+NO_PADS = (-np.inf, np.inf)
 Joint = Callable[..., Floats]
+Load = Callable[[float, float, float, float, float], tuple[float, float]]
 INTERVAL = 0.01
 """Of the samples, s."""
 STEPS = 30
@@ -43,6 +46,7 @@ def two_sliders(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return (1.0 + e) * x + sliders(x, ((12.5, 0.75 * (1.0 + e)), (5.8 * (1.0 - e), 0.75)))
 
 
+@compiled
 def rubber(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     friction, force, left, left_at, way = np.zeros(x.size), 0.0, 0.0, 0.0, 0.0
     most, length = 1.5 * (1.0 + e), 0.08 * (1.0 - e)
@@ -58,6 +62,7 @@ def rubber(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 4.0 * (1.0 - e) * x + friction
 
 
+@compiled
 def smooth_yielding(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     z, out = 0.0, np.zeros(x.size)
     for i in range(1, x.size):
@@ -68,6 +73,7 @@ def smooth_yielding(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 3.0 * (1.0 + e) * x + 12.0 * (1.0 + e) * out
 
 
+@compiled
 def stribeck(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """LuGre, explicit in small steps."""
     z, out = 0.0, np.zeros(x.size)
@@ -84,12 +90,17 @@ def damped_bristles(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """LuGre whose bristles are damped, in small steps."""
     finely = np.arange(0.0, x.size - 1 + 1e-9, 1 / 40)
     speed = np.interp(finely, np.arange(x.size), np.gradient(x, time))
-    z, out = 0.0, np.zeros(finely.size)
+    return 3.0 * (1.0 - e) * x + _with_damped_bristles(speed, float(e))[::40]
+
+
+@njit(cache=True)
+def _with_damped_bristles(speed: Floats, e: float) -> Floats:
+    z, out = 0.0, np.zeros(speed.size)
     for i, v in enumerate(speed):
         rate = v - 60.0 * abs(v) / (1.0 + 0.5 * np.exp(-((v / 0.2) ** 2))) / (1.0 + e) * z
         out[i] = 60.0 * z + 0.9 * (1.0 - e) * rate
         z += INTERVAL / 40 * rate
-    return 3.0 * (1.0 - e) * x + out[::40]
+    return out
 
 
 def bristles_by_the_sample(time: Floats, x: Floats, e: float = 0.0) -> Floats:
@@ -102,6 +113,7 @@ def bristles_by_the_sample(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 3.0 * (1.0 - e) * x + out
 
 
+@compiled
 def viscoelastic(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     branches = np.zeros(x.size)
     for constant in (0.3, 2.0, 9.0):
@@ -112,6 +124,7 @@ def viscoelastic(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 3.0 * (1.0 - e) * x + branches
 
 
+@compiled
 def saturating(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """A generalised Prandtl-Ishlinskii stage: each play is bent by an envelope that saturates sooner on one side."""
     out = np.zeros(x.size)
@@ -126,8 +139,9 @@ def saturating(time: Floats, x: Floats, e: float = 0.0) -> Floats:
 FINER = 40
 
 
+@njit(cache=True)
 def dragged(
-    time: Floats, x: Floats, stiffness: float, limit: float, mass: float, damping: float, pads: Pads = None
+    time: Floats, x: Floats, stiffness: float, limit: float, mass: float, damping: float, pads: Pads = NO_PADS
 ) -> Floats:
     """Torque of a spring to a mass with dry and viscous friction, explicit in small steps, which may rest between two pads."""
     h = INTERVAL / FINER
@@ -135,16 +149,16 @@ def dragged(
     at, speed, stretch = 0.0, 0.0, np.zeros(fine.size)
     for i, now in enumerate(fine):
         stretch[i] = now - at
-        deep = max(at - pads[1], 0.0) + min(at - pads[0], 0.0) if pads else 0.0
+        deep = max(at - pads[1], 0.0) + min(at - pads[0], 0.0)
         pad = 300.0 * deep + 1.5 * speed if deep else 0.0
         pull = stiffness * stretch[i] - (pad if pad * deep > 0.0 else 0.0)
         if speed == 0.0 and abs(pull) <= limit:
             continue
-        way = np.sign(speed) if speed else np.sign(pull)
+        way = np.sign(speed) if speed != 0.0 else np.sign(pull)
         speed += h * (pull - way * limit - damping * speed) / mass
         speed = speed if speed * way > 0.0 else 0.0
         at += h * speed
-    return np.asarray(stiffness * stretch[::FINER])
+    return stiffness * stretch[::FINER]
 
 
 def heavy(time: Floats, x: Floats, e: float = 0.0) -> Floats:
@@ -158,6 +172,7 @@ def between_pads(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 4.0 * (1.0 + e) * x + dragged(time, x, 9.0, 0.9 * (1.0 + e), 0.003, 0.1, (-0.25, 0.3 * (1.0 - e)))
 
 
+@compiled
 def pinching(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """Bouc-Wen with the pinching of Baber and Noori, as printed, explicit in small steps."""
     z, out = 0.0, np.zeros(x.size)
@@ -172,7 +187,8 @@ def pinching(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 0.8 * (1.0 + e) * x + 3.0 * out
 
 
-def metal(time: Floats, x: Floats, e: float = 0.0, growth: float = 0.0) -> Floats:
+@compiled
+def growing_metal(time: Floats, x: Floats, e: float, growth: float) -> Floats:
     """Plasticity with two back stresses that recall themselves, by small steps back to the yield limit, which may grow."""
     torque, fast, slow, flown, out = 0.0, 0.0, 0.0, 0.0, np.zeros(x.size)
     for i in range(1, x.size):
@@ -190,11 +206,16 @@ def metal(time: Floats, x: Floats, e: float = 0.0, growth: float = 0.0) -> Float
     return (1.0 + e) * x + out
 
 
+def metal(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    return growing_metal(time, x, e, 0.0)
+
+
 def used_metal(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """Metal whose yield limit grows by a fifth as it flows."""
-    return metal(time, x, e, 0.2 * (1.0 - e))
+    return growing_metal(time, x, e, 0.2 * (1.0 - e))
 
 
+@compiled
 def damper(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """Spencer's damper of magnetorheological fluid with both of its springs, explicit in small steps."""
     steps, behind, hysteretic, piston, out = 40, 5.0 * (1.0 - e), 0.0, 0.0, np.zeros(x.size)
@@ -280,6 +301,7 @@ def many_slip_elements(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 3.0 * (1.0 - e) * x + out
 
 
+@compiled
 def superelastic(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """A wire of shape memory alloy beside a return spring, in small steps from rest where it begins."""
     out, fine, stiffness = np.zeros(x.size), 20, 12.0
@@ -433,6 +455,7 @@ def tendon(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return arm * (3.0 * (1.0 - e) * shortened + sliders(shortened, ((12.0, 0.3 * (1.0 + e)), (6.0, 0.8 * (1.0 - e)))))
 
 
+@compiled
 def harmonic_drive(time: Floats, x: Floats, e: float = 0.0, steps: int = 8) -> Floats:
     """A flexspline that hardens before what rubs inside, which a wave generator's spring and oil hold."""
     outer, hardening, inner = 8.0 * (1.0 - e), 6.0 * (1.0 + e), 12.0 * (1.0 + e)
@@ -451,42 +474,43 @@ def harmonic_drive(time: Floats, x: Floats, e: float = 0.0, steps: int = 8) -> F
     return out
 
 
-def _behind_a_spring(
-    x: Floats, spring: float, hardening: float, load: Callable[[float, float, float], float]
-) -> Floats:
+@njit(cache=True)
+def _behind_a_spring(x: Floats, e: float, spring: float, hardening: float, load: Load) -> Floats:
     """A spring up to a ``load`` that tells its acceleration from the spring's torque, its place and its speed."""
-    place, speed, out = 0.0, 0.0, np.zeros_like(x)
+    place, speed, state, out = 0.0, 0.0, 0.0, np.zeros_like(x)
     for i in range(1, x.size):
         for k in range(STEPS):
             twist = x[i - 1] + (x[i] - x[i - 1]) * (k + 0.5) / STEPS - place
-            speed += load(spring * twist + hardening * twist**3, place, speed) * INTERVAL / STEPS
+            gained, state = load(e, spring * twist + hardening * twist**3, place, speed, state)
+            speed += gained * INTERVAL / STEPS
             place += speed * INTERVAL / STEPS
         out[i] = spring * (x[i] - place) + hardening * (x[i] - place) ** 3
     return out
 
 
+@njit(cache=True)
+def _on_bristles(e: float, torque: float, place: float, speed: float, state: float) -> tuple[float, float]:
+    mass, friction, way, step = 0.016 * (1.0 + e), 0.6 * (1.0 - e), 0.02, INTERVAL / STEPS
+    level = 1.0 + 0.5 * (1.0 + e) * np.exp(-((speed / 0.3) ** 2))
+    state = (state + step * speed / way) / (1.0 + step * abs(speed) / (way * level))
+    return (torque - 2.0 * (1.0 + e) * place - 0.15 * (1.0 - e) * speed - friction * state) / mass, state
+
+
+@njit(cache=True)
+def _rubbing(e: float, torque: float, place: float, speed: float, state: float) -> tuple[float, float]:
+    mass, friction = 0.02 * (1.0 + e), 0.5 * (1.0 - e)
+    rubs = 0.3 * (1.0 - e) * speed + friction * np.tanh(speed / 0.1)
+    return (torque - 3.0 * (1.0 + e) * place - rubs) / mass, state
+
+
 def series_elastic(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """A spring before a load that swings at four times a second and rubs by bristles, held back by another spring."""
-    mass, friction, way, step = 0.016 * (1.0 + e), 0.6 * (1.0 - e), 0.02, INTERVAL / STEPS
-    state = 0.0
-
-    def load(torque: float, place: float, speed: float) -> float:
-        nonlocal state
-        level = 1.0 + 0.5 * (1.0 + e) * np.exp(-((speed / 0.3) ** 2))
-        state = (state + step * speed / way) / (1.0 + step * abs(speed) / (way * level))
-        return (torque - 2.0 * (1.0 + e) * place - 0.15 * (1.0 - e) * speed - friction * state) / mass
-
-    return _behind_a_spring(x, 10.0 * (1.0 - e), 0.0, load)
+    return np.asarray(_behind_a_spring(x, float(e), 10.0 * (1.0 - e), 0.0, _on_bristles))
 
 
 def rubbing_load(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """The same on a spring that hardens, with the sign of the speed, made smooth, in place of bristles."""
-    mass, friction = 0.02 * (1.0 + e), 0.5 * (1.0 - e)
-
-    def load(torque: float, place: float, speed: float) -> float:
-        return (torque - 3.0 * (1.0 + e) * place - 0.3 * (1.0 - e) * speed - friction * np.tanh(speed / 0.1)) / mass
-
-    return _behind_a_spring(x, 12.0 * (1.0 - e), 5.0 * (1.0 + e), load)
+    return np.asarray(_behind_a_spring(x, float(e), 12.0 * (1.0 - e), 5.0 * (1.0 + e), _rubbing))
 
 
 def looked_up(time: Floats, x: Floats, e: float = 0.0) -> Floats:
@@ -504,6 +528,7 @@ def looked_up(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return np.asarray(spring(x) + (1.0 - e) * friction(x) * built)
 
 
+@compiled
 def oil_chamber(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """Oil that is compressed, and leaks through a gap and a hole, which is narrower one way; implicit in small steps."""
     pressure, out = 0.0, np.zeros(x.size)
@@ -527,6 +552,7 @@ def pneumatic_muscle(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     )
 
 
+@njit(cache=True)
 def slid(x: Floats, length: float, exponent: float) -> Floats:
     """Friction by Dahl over its limit, in small steps."""
     z, out = 0.0, np.zeros(x.size)

@@ -33,12 +33,29 @@ def joint(x: Floats) -> Floats:
     return 4.0 * x + 0.6 * x**3 + sliders(x, ((6.0, 0.12), (2.0, 0.15), (0.8, 0.16)))
 
 
-def diagnosed(measured: Floats, y_real: Floats, exclude: tuple[str, ...] = ()) -> Diagnosis:
+def behind_a_spring(x: Floats, upper: float, lower: float) -> Floats:
+    """Torque of a spring to a load with dry friction that another spring holds back, between two stops."""
+    place, out = 0.0, np.empty_like(x)
+    for i, value in enumerate(x):
+        for way in (1.0, -1.0):
+            # Where the load is when it only just moves.
+            stiffness, pulled = 11.0, 8.0 * value - 0.9 * way
+            for end in (upper, -lower):
+                if np.sign(end) * (pulled / 11.0 - end) > 0.0:
+                    stiffness, pulled = 11.0 + 30.0, pulled + 30.0 * end
+            place = way * max(way * place, way * pulled / stiffness)
+        out[i] = 8.0 * (value - place)
+    return out
+
+
+def diagnosed(
+    measured: Floats, y_real: Floats, exclude: tuple[str, ...] = (), simulator: Callable[[Floats], Floats] = joint
+) -> Diagnosis:
     rng = np.random.default_rng(5)
     time, _ = swelling(measured.size)
     seen = measured + 1e-4 * REACH * rng.standard_normal(measured.size)
     noise = NOISE * rng.standard_normal(measured.size)
-    return diagnose(Signals(time, seen, y_real + noise, joint(seen), [slice(0, seen.size)], {}), exclude=exclude)
+    return diagnose(Signals(time, seen, y_real + noise, simulator(seen), [slice(0, seen.size)], {}), exclude=exclude)
 
 
 # ---- laws --------------------------------------------------------------------------------------------------------------
@@ -243,6 +260,25 @@ def test_a_stop_that_a_few_large_swings_press_far_in_is_a_stop(side: float) -> N
     depth = np.maximum(side * x - 0.18, 0.0)
     found = diagnosed(x, joint(x) + side * 5.0 * depth * np.maximum(1.0 + 0.25 * side * np.gradient(x, time), 0.0))
     assert found.verdict == ["end_stop"]
+
+
+@pytest.mark.parametrize("ends", [(0.3, 9.0), (9.0, 0.3), (0.35, 0.25)], ids=["above", "below", "both"])
+def test_a_stop_that_a_load_behind_a_spring_meets_is_a_stop(ends: tuple[float, float]) -> None:
+    """Its friction has it meet the stop at another deflection than it leaves it."""
+    _, x = swelling()
+    found = diagnosed(x, behind_a_spring(x, *ends), simulator=lambda x: behind_a_spring(x, 9.0, 9.0))
+    assert found.verdict == ["end_stop"]
+    for name, end in zip(("upper", "lower"), ends, strict=True):
+        if end < 9.0:
+            assert found.effects[0].parameters[name] == pytest.approx(end, abs=0.02)
+
+
+def test_a_stop_that_is_met_at_the_very_end_is_a_stop() -> None:
+    _, x = swelling()
+    end = 0.994 * x.max()
+    found = diagnosed(x, joint(x) + 150.0 * np.maximum(x - end, 0.0))
+    assert found.verdict == ["end_stop"]
+    assert found.effects[0].parameters["upper"] == pytest.approx(end, rel=0.002)
 
 
 @pytest.mark.parametrize("law", ["upper, lossy", "lower, lossy"])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from typing import ClassVar, NamedTuple
 
@@ -123,17 +123,24 @@ BUMPERS = (
     ("exponential", "(exp({depth} / thickness) - 1)", _progressive, 0.2),
 )
 """Stops that stiffen as they are pressed: their equation, and the thickness to start from as a share of the reach."""
-SHARES, INNERMOST, OUTERMOST = (0.45, 0.55, 0.65, 0.72, 0.79, 0.85, 0.9, 0.94, 0.97), 0.35, 0.985
+SHARES, INNERMOST, OUTERMOST = (0.45, 0.55, 0.65, 0.72, 0.79, 0.85, 0.9, 0.94, 0.97), 0.35, 0.998
 """Where stops begin to be looked for, and between which places they may be, from the middle of the motion on as a share of its reach."""
 SELDOM = 0.2
 """Share of the time for which a stop may be met that is farther in: a few large swings do not tell where most of the motion ends."""
 ANY = "Hunt-Crossley of any power"
+STIFF, STRETCHED, SMALLEST = 0.02, 0.4, 1e-12
+"""Stretch of the spring before a load at the largest torque, over the reach: the least, and that to start from; the least torque, N·m."""
 TURNED = 0.003
 """Way over which the friction of a stop turns round, over the reach."""
 POWERS = (1.0, 2.5)
 """Limits of a contact's power of its depth: from a plate's to a blunt tip's."""
 DEPTHS = {"upper": "maximum(x - upper, 0)", "lower": "maximum(-x - lower, 0)"}
 """How deep each stop is pressed, in equations."""
+DEPTHS_OF_LOAD = {
+    "upper": "maximum(x - compliance * y - upper, 0)",
+    "lower": "maximum(compliance * y - x - lower, 0)",
+}
+"""The same by a load."""
 
 
 def _term(side: str, power: float | str) -> str:
@@ -156,8 +163,8 @@ def _relaxes(side: str, soft: str) -> str:
     return f"({_term(side, 1.0)} + {soft} * ({depth} - lowpass({depth}, time_constant)))"
 
 
-def _pressed(sides: Sequence[str], equation: str) -> str:
-    first, *others = (f"stiffness_{side} * {equation.format(depth=DEPTHS[side])}" for side in sides)
+def _pressed(sides: Sequence[str], equation: str, depths: Mapping[str, str] = DEPTHS) -> str:
+    first, *others = (f"stiffness_{side} * {equation.format(depth=depths[side])}" for side in sides)
     return f"y {'-' if sides[0] == 'lower' else '+'}= {first}" + "".join(f" - {other}" for other in others)
 
 
@@ -168,6 +175,26 @@ def _bumper(sides: Sequence[str], law: Callable[[Floats, float], Floats]) -> Col
         return np.column_stack([sign * law(depth, shape[-1]) for sign, depth in zip(signs, depths, strict=True)])
 
     return columns
+
+
+def _of_load(sides: Sequence[str]) -> Columns:
+    """Stops of a load that a spring moves: its place is the deflection without what the torque stretches the spring.
+
+    Friction of the load has it meet them at another deflection than it leaves them.
+    """
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        place = scene.signals.smooth_x - shape[-1] * scene.torque
+        signs = [1.0 if side == "upper" else -1.0 for side in sides]
+        depths = [np.maximum(sign * place - end, 0.0) for sign, end in zip(signs, shape, strict=False)]
+        return np.column_stack([sign * depth for sign, depth in zip(signs, depths, strict=True)])
+
+    return columns
+
+
+def _where_load_is(reach: float, compliance: float) -> Callable[[tuple[float, ...], Floats], tuple[float, ...]]:
+    """Where to look for the stops of a load, from where those of the deflection were found."""
+    return lambda shape, coefficients: (*(end - STRETCHED * reach for end in shape), STRETCHED * compliance)
 
 
 def _thick(thickness: float) -> Callable[[tuple[float, ...], Floats], tuple[float, ...]]:
@@ -182,7 +209,7 @@ class EndStop(Effect):
     summary: ClassVar[str] = "contact that stiffens the joint beyond a deflection near the end of the stroke"
     equation: ClassVar[str] = (
         "y += k d^p − k' d'^p,  d = max(x − a, 0), d' = max(−x − a', 0), p = 1 or 1.5, or any from 1 to 2.5 where it is damped; damped: + c v or + c d^p v while "
-        "touched, or + r d^p (1 + s)/2, s the direction of pressing; relaxing: k d + k2 (d − L), τ dL/dt = d − L; or y += k d / (1 − d/d0) or k (exp(d/d0) − 1)"
+        "touched, or + r d^p (1 + s)/2, s the direction of pressing; relaxing: k d + k2 (d − L), τ dL/dt = d − L; or y += k d / (1 − d/d0) or k (exp(d/d0) − 1); or x in d and d' is a load's place x − q y"
     )
     coordinate: ClassVar[str] = "position"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -215,6 +242,13 @@ class EndStop(Effect):
             "d0, depth at which a rubber bumper would be flat, or over which its torque grows e-fold",
         ),
         Parameter("power", "1", *POWERS, "p of the depth"),
+        Parameter(
+            "compliance",
+            "rad/(N·m)",
+            0.0,
+            np.inf,
+            "q, of a spring up to a load that meets the stop, whose place is x − q y",
+        ),
         *(parameter for parameter in PRESLIDING if parameter.name == "transition_speed"),
         Parameter("upper", "rad", -np.inf, np.inf, "deflection a at which the upper stop is touched"),
         Parameter("lower", "rad", -np.inf, np.inf, "−deflection a' at which the lower stop is touched"),
@@ -271,14 +305,21 @@ class EndStop(Effect):
                      (told, "time_constant"), (), [limits, relaxation], (told,), lambda shape, _: (*shape, soon),
                      equation=f"y {'-' if side < 0.0 else '+'}= {_relaxes(told, 'relaxing')}"),
             ]  # fmt: skip
-        for kind, equation, law, share in BUMPERS:
-            for sides, ends in ((("upper",), [top]), (("lower",), [bottom]), (("upper", "lower"), [top, bottom])):
-                told = "both" if len(sides) > 1 else sides[0]
-                made.append(
-                    Form(f"{told}, {kind}", [f"stiffness_{side}" for side in sides], _bumper(sides, law), (0.0,) * len(sides),
-                         (np.inf,) * len(sides), (*sides, "thickness"), (), [*ends, (0.03 * reach, 3.0 * reach)],
-                         (told, f"{told}, Hertz"), _thick(share * reach), equation=_pressed(sides, equation))
-                )  # fmt: skip
+        softest = reach / max(float(np.abs(scene.torque).max()), SMALLEST)
+        for sides, ends in ((("upper",), [top]), (("lower",), [bottom]), (("upper", "lower"), [top, bottom])):
+            told, names = "both" if len(sides) > 1 else sides[0], [f"stiffness_{side}" for side in sides]
+            free, plain = ((0.0,) * len(sides), (np.inf,) * len(sides)), (told, f"{told}, Hertz")
+            made += [
+                Form(f"{told}, {kind}", names, _bumper(sides, law), *free, (*sides, "thickness"), (),
+                     [*ends, (0.03 * reach, 3.0 * reach)], plain, _thick(share * reach),
+                     equation=_pressed(sides, equation))
+                for kind, equation, law, share in BUMPERS
+            ]  # fmt: skip
+            made.append(
+                Form(f"{told}, of the load", names, _of_load(sides), *free, (*sides, "compliance"), (),
+                     [*((low - reach, high) for low, high in ends), (STIFF * softest, softest)], plain, _where_load_is(reach, softest),
+                     equation=_pressed(sides, "{depth}", DEPTHS_OF_LOAD))
+            )  # fmt: skip
         ends, all_four = [top, bottom], ("stiffness_upper", "stiffness_lower", "damping", "damping_lower")
         any_size = (0.0,) * 4, (np.inf,) * 4
         made += [
