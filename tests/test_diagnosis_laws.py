@@ -229,6 +229,15 @@ def test_much_more_of_the_joints_own_friction_is_dry_friction(gain: float, off: 
     assert abs(effect.parameters["strength_gain"] - gain) < 0.02 + 4.0 * off
 
 
+@pytest.mark.parametrize("middle", [0.4, 0.75])
+def test_a_gap_within_the_stroke_of_a_joint_that_is_moved_to_one_side_is_a_clearance(middle: float) -> None:
+    time, x = swelling()
+    x = (0.6 + 0.5 * x) * (1.0 - np.exp(-time))
+    found = diagnosed(x, joint(x - np.clip(x - middle, -0.02, 0.02)))
+    assert found.verdict == ["backlash"]
+    assert found.effects[0].parameters["middle"] == pytest.approx(middle, abs=0.005)
+
+
 @pytest.mark.parametrize("spread", [0.5, 0.9])
 def test_flanks_that_yield_are_a_clearance(spread: float) -> None:
     _, x = swelling()

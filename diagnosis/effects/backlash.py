@@ -271,7 +271,9 @@ class Backlash(Effect):
         grid = [(b,) for b in geometric(0.0015 * reach, 0.5 * reach, 13)]
         few = grid[4::2]
         limits = [(5e-4 * reach, reach)]
-        elsewhere = [*limits, (-0.6 * reach, 0.6 * reach)]
+        x = scene.signals.smooth_x
+        amid, far = 0.5 * float(x.max() + x.min()), 0.5 * float(np.ptp(x))
+        elsewhere = [*limits, (amid - 0.6 * far, amid + 0.6 * far)]
         at = "x = x - clip(x - middle, -clearance / 2, clearance / 2) + clip(-middle, -clearance / 2, clearance / 2)"
         strong = float(np.std(scene.torque))
         return [
@@ -292,7 +294,7 @@ class Backlash(Effect):
             *_either("gap around zero", _gap, ("clearance",), grid[2::2], limits,
                      "x = x - clip(x, -clearance / 2, clearance / 2)"),
             Form("gap elsewhere", ("_unit",), _before(_gap_elsewhere), (1.0,), (1.0,), ("clearance", "middle"),
-                 [(b * reach, side * m * reach) for b in (0.02, 0.05, 0.12, 0.3) for m in _middles(b) for side in (-1.0, 1.0)],
+                 [(b * far, amid + side * m * far) for b in (0.02, 0.05, 0.12, 0.3) for m in _middles(b) for side in (-1.0, 1.0)],
                  elsewhere, equation=at),
             Form(f"gap elsewhere, {OF_SPRING}", ("_unit",), _before_the_spring(_gap_elsewhere), (1.0,), (1.0,),
                  ("clearance", "middle"), (), elsewhere, (f"gap around zero, {OF_SPRING}", "gap elsewhere"),
