@@ -238,6 +238,16 @@ def test_a_gap_within_the_stroke_of_a_joint_that_is_moved_to_one_side_is_a_clear
     assert found.effects[0].parameters["middle"] == pytest.approx(middle, abs=0.005)
 
 
+@pytest.mark.parametrize("middle", [0.0, 0.3])
+def test_a_gap_with_rounded_flanks_is_a_clearance(middle: float) -> None:
+    _, x = swelling()
+    half, rounding = 0.15, 0.15
+    taken = 0.5 * (np.hypot(x - middle + half, rounding) - np.hypot(x - middle - half, rounding))
+    found = diagnosed(x, joint(x - taken))
+    assert found.verdict == ["backlash"]
+    assert found.effects[0].parameters["clearance"] == pytest.approx(2.0 * half, rel=0.03)
+
+
 @pytest.mark.parametrize("spread", [0.5, 0.9])
 def test_flanks_that_yield_are_a_clearance(spread: float) -> None:
     _, x = swelling()

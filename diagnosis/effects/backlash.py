@@ -32,6 +32,12 @@ IN_SERIES = (
     BEHIND + "g where that adds up to y = 0 if it is within ±clearance / 2, else at the flank to which it presses"
 )
 SOFTLY = BEHIND + "g = clearance / 2 * tanh(y / flank_torque) where that adds up to y"
+TAKEN = (
+    "(hypot({x} + clearance / 2, rounding * clearance / 2) - hypot({x} - clearance / 2, rounding * clearance / 2)) / 2"
+)
+ROUNDED = f"x = x - {TAKEN}"
+ROUNDINGS = (0.02, 2.0)
+"""Of flanks, over half of the gap."""
 IN_FLIGHT = (
     "x = x - g,  g at the flank ±clearance / 2 to which y presses it, without what follows speed or acceleration alone; where "
     "that passes zero the load flies across, swinging at load_frequency from its speed there: no torque until it hits, then "
@@ -85,6 +91,26 @@ def _soft_gap(scene: Scene, shape: tuple[float, ...]) -> Floats:
     # The flanks are met gradually: tanh instead of clip.
     x, half = scene.signals.x, 0.5 * shape[0]
     return x - half * np.tanh(x / half)
+
+
+def _rounded(x: Floats, half: float, rounding: float) -> Floats:
+    """What a gap about zero takes, rad, its flanks rounded over ``rounding`` of its half."""
+    return np.asarray(0.5 * (np.hypot(x + half, rounding * half) - np.hypot(x - half, rounding * half)))
+
+
+def _rounded_gap(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    x, half, rounding = scene.signals.x, 0.5 * shape[0], shape[1]
+    return x - _rounded(x, half, rounding)
+
+
+def _rounded_gap_about(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    x, half, (middle, rounding) = scene.signals.x, 0.5 * shape[0], shape[1:]
+    return x - _rounded(x - middle, half, rounding)
+
+
+def _rounded_gap_elsewhere(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    half, (middle, rounding) = 0.5 * shape[0], shape[1:]
+    return _rounded_gap_about(scene, shape) + _rounded(np.array(-middle), half, rounding)
 
 
 def _before(behind: Columns) -> Columns:
@@ -259,6 +285,7 @@ class Backlash(Effect):
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("clearance", "rad", 0.0, np.inf, "total width b"),
         Parameter("softness", "1", 0.0, 1.0, "c, spread of the clearance over its width, of flanks that yield"),
+        Parameter("rounding", "1", *ROUNDINGS, "of the flanks of a gap, over b/2"),
         Parameter("flank_torque", "N·m", 0.0, np.inf, "f, over which flanks yield to which the torque presses"),
         Parameter("middle", "rad", -np.inf, np.inf, "m, deflection in the middle of the gap"),
         Parameter("load_inertia", "kg·m²", 0.0, np.inf, "J, of a load that hits the flanks"),
@@ -308,6 +335,18 @@ class Backlash(Effect):
             ),
             *_either("soft gap", _soft_gap, ("clearance",), (), limits, "x = x - clearance / 2 * tanh(2 * x / clearance)",
                      "gap around zero"),
+            Form("gap around zero, rounded", ("_unit",), _before(_rounded_gap), (1.0,), (1.0,), ("clearance", "rounding"), (),
+                 [*limits, ROUNDINGS], ("gap around zero", "soft gap"), lambda shape, coefficients: (shape[0], 0.2),
+                 equation=ROUNDED.format(x="x")),
+            *(
+                Form(f"{name}, rounded", ("_unit",), _before(behind), (1.0,), (1.0,), ("clearance", "middle", "rounding"), (),
+                     [*elsewhere, ROUNDINGS], (name,), lambda shape, coefficients: (*shape, 0.2),
+                     equation=ROUNDED.format(x="(x - middle)") + back)
+                for name, behind, back in (
+                    ("gap elsewhere", _rounded_gap_elsewhere, f" + {TAKEN.format(x='(-middle)')}"),
+                    ("gap elsewhere, zeroed at a flank", _rounded_gap_about, ""),
+                )
+            ),
             Form("gap at zero torque", ("_unit",), _series, (1.0,), (1.0,), ("clearance",), few, limits, equation=IN_SERIES),
             Form("gap at zero torque, soft flanks", ("_unit",), _soft_series, (1.0,), (1.0,), ("clearance", "flank_torque"), (),
                  [*limits, (0.01 * strong, strong)], ("gap at zero torque",), lambda shape, coefficients: (shape[0], 0.1 * strong),
