@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from joints import clearance, sliders, through_a_clearance
+from joints import clearance, dahl, sliders, through_a_clearance
 from motions import swelling
 from numpy.typing import NDArray
 from scipy.optimize import brentq
@@ -298,6 +298,17 @@ def test_a_stop_that_is_met_at_the_very_end_is_a_stop() -> None:
     found = diagnosed(x, joint(x) + 150.0 * np.maximum(x - end, 0.0))
     assert found.verdict == ["end_stop"]
     assert found.effects[0].parameters["upper"] == pytest.approx(end, rel=0.002)
+
+
+@pytest.mark.parametrize(("threshold", "offset"), [(1.5, 0.0), (2.5, 0.1)])
+def test_contacts_that_only_a_large_load_presses_together_rub_by_the_load(threshold: float, offset: float) -> None:
+    _, x = swelling()
+    y = joint(x)
+    rubbed = 0.12 * np.maximum(np.abs(y) - threshold, 0.0) * dahl(x, 1.0, 0.01, 1.0)
+    found = diagnosed(x, y + rubbed + offset)
+    assert set(found.verdict) == {"load_dependent_friction"} | ({"torque_offset"} if offset else set())
+    effect = next(effect for effect in found.effects if effect.name == "load_dependent_friction")
+    assert effect.parameters["threshold"] == pytest.approx(threshold, rel=0.05)
 
 
 @pytest.mark.parametrize("law", ["upper, lossy", "lower, lossy"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,9 +11,14 @@ from development import developed
 from hardening_joint import rich_motion, signals_of, spring
 from numpy.typing import NDArray
 
+from hystbench.diagnosis import registry
 from hystbench.diagnosis.diagnosis import _is_better, diagnose
+from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.hypotheses.adequacy import forgiven
+from hystbench.diagnosis.hypotheses.evidence import Evidence
+from hystbench.diagnosis.hypotheses.search import Library, search
 from hystbench.diagnosis.recording.signals import Signals
+from hystbench.diagnosis.verdict.choice import choose
 
 Floats = NDArray[np.float64]
 
@@ -63,3 +69,16 @@ def test_a_second_look_without_knocks_is_believed_where_it_blames_less(
     # It has to close as much.
     looks[0].explained = 0.4 * recorded.gap
     assert not _is_better(recorded, *looks, seed=0) or whole == ["unknown"]
+
+
+def test_what_an_effect_makes_of_a_beginning_that_is_left_out_does_not_speak_against_it() -> None:
+    """A simulator that was in motion before is emulated badly there, and a shift of its input may make any torque."""
+    time, x = rich_motion()
+    signals = signals_of(time, x, spring(x) + 0.1, spring(x))
+    looked_at = np.arange(x.size) >= 60
+    evidence = Evidence(SimulatorScene(signals, emulate(signals, None)), looked_at)
+    found = search(Library(evidence, [registry.get("torque_offset")()]))
+    odd = [replace(h, columns=np.where(looked_at[:, None], h.columns, 1e3 * h.columns)) for h in found]
+    choice = choose(evidence, odd)
+    assert choice.verdict == ["torque_offset"]
+    assert choice.features["signal"] == pytest.approx(choice.features["gap"], rel=0.05)

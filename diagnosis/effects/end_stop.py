@@ -307,16 +307,16 @@ class EndStop(Effect):
             ]  # fmt: skip
         softest = reach / max(float(np.abs(scene.torque).max()), SMALLEST)
         for sides, ends in ((("upper",), [top]), (("lower",), [bottom]), (("upper", "lower"), [top, bottom])):
-            told, names = "both" if len(sides) > 1 else sides[0], [f"stiffness_{side}" for side in sides]
-            free, plain = ((0.0,) * len(sides), (np.inf,) * len(sides)), (told, f"{told}, Hertz")
+            told, stiffnesses = "both" if len(sides) > 1 else sides[0], [f"stiffness_{side}" for side in sides]
+            none, most, plain = (0.0,) * len(sides), (np.inf,) * len(sides), (told, f"{told}, Hertz")
             made += [
-                Form(f"{told}, {kind}", names, _bumper(sides, law), *free, (*sides, "thickness"), (),
+                Form(f"{told}, {kind}", stiffnesses, _bumper(sides, law), none, most, (*sides, "thickness"), (),
                      [*ends, (0.03 * reach, 3.0 * reach)], plain, _thick(share * reach),
                      equation=_pressed(sides, equation))
                 for kind, equation, law, share in BUMPERS
             ]  # fmt: skip
             made.append(
-                Form(f"{told}, of the load", names, _of_load(sides), *free, (*sides, "compliance"), (),
+                Form(f"{told}, of the load", stiffnesses, _of_load(sides), none, most, (*sides, "compliance"), (),
                      [*((low - reach, high) for low, high in ends), (STIFF * softest, softest)], plain, _where_load_is(reach, softest),
                      equation=_pressed(sides, "{depth}", DEPTHS_OF_LOAD))
             )  # fmt: skip

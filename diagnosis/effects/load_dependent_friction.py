@@ -241,7 +241,7 @@ class LoadDependentFriction(Effect):
                          (law.parameter, "threshold"), (), [law.limits, (0.02 * strongest, 0.8 * strongest)], simpler(of, law.name),
                          lambda shape, _: (shape[0], 0.2 * strongest),
                          equation=f"y += friction_coefficient * maximum(abs({load.symbol}) - threshold, 0) * {law.equation}")
-                    for of, load in (carried.items() if law.by_speed else ())
+                    for of, load in (carried.items() if law.name != "elastic presliding" else ())
                 ),
                 *(
                     Form(f"by {of}, unequal sides, {law.name}", ("friction_coefficient", "friction_coefficient_below"),

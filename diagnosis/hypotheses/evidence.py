@@ -250,6 +250,10 @@ class Evidence:
         """The scales at which the simulator's own parameters are right."""
         return tuple(scale for scale in self.scales if not is_refitted(scale))
 
+    def rms_of(self, series: Floats) -> float:
+        """Root mean square of a ``series`` (n,) over the samples that are looked at: a beginning that is left out may be large."""
+        return rms(series[self.rows])
+
     @property
     def effective(self) -> float:
         """Samples that count."""

@@ -190,7 +190,7 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
 
     errors = OwnErrors(evidence, blank, energy)
     if not simple.terms and not evidence.fitted:
-        single = (h for h in ranked if len(h.terms) == 1 and rms(h.signal) > SUBSTANTIAL * size)
+        single = (h for h in ranked if len(h.terms) == 1 and evidence.rms_of(h.signal) > SUBSTANTIAL * size)
         best = next((h for h in single if errors.is_needed(h) and errors.are_smaller_beside(h)), best)
     spared = None if best.terms else errors.spared(ranked)
     if spared:
@@ -210,7 +210,7 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         if other is not best:
             best, refit = other, _judge_refit(evidence, other, energy)
     # What is no gap beyond the noise is no error either.
-    rather = rather_own_parts(evidence, best) if rms(best.signal) > NEGLIGIBLE * floor else best
+    rather = rather_own_parts(evidence, best) if evidence.rms_of(best.signal) > NEGLIGIBLE * floor else best
     is_own = rather is not best
     if is_own:
         # However little of the gap that is.
@@ -306,8 +306,8 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
         "margin": supported - max(others) if others else 1e3,
         "over_null": float(own - blank.score),
         "effects": float(len(best.terms)),
-        "signal": rms(best.signal) / floor,
-        "largest": max((rms(best.part(name)) for name in best.names), default=0.0) / floor,
+        "signal": evidence.rms_of(best.signal) / floor,
+        "largest": max((evidence.rms_of(best.part(name)) for name in best.names), default=0.0) / floor,
         "recalibrated": refit.gain,
         "refitted": float(is_refitted(best.scale) and not expected),
         "closed": 1.0
@@ -324,7 +324,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     features["forgiven"] = float(
         np.hypot(forgiven_here(evidence, features["gap"], bent), emulated(evidence, best, energy))
     )
-    verdict = sorted(best.names, key=lambda name: -float(np.mean(np.square(best.part(name)))))
+    verdict = sorted(best.names, key=lambda name: -evidence.rms_of(best.part(name)))
     images: list[Image] = []
     factor, clock, strained, blamed = 0.0, None, False, False
     if miscalibrated and not expected:
@@ -418,7 +418,7 @@ def _judge_refit(evidence: Evidence, best: Hypothesis, energy: float) -> _Refit:
     else:
         # With no effect at all, what the refit takes is the gap.
         off = is_refitted(best.scale) or energy > floor**2
-    return _Refit(held, left, recalibration, gain, off and rms(recalibration) > NEGLIGIBLE * floor)
+    return _Refit(held, left, recalibration, gain, off and evidence.rms_of(recalibration) > NEGLIGIBLE * floor)
 
 
 def _nothing(
@@ -435,7 +435,7 @@ def _nothing(
         # A gap as small as the noise, and an explanation that helps on no unseen sample.
         return True
     # What is left is noise in any case, and of a large gap little is anything else.
-    return not best.terms or rms(best.signal) < max(NEGLIGIBLE, LITTLE * features["gap"]) * floor
+    return not best.terms or evidence.rms_of(best.signal) < max(NEGLIGIBLE, LITTLE * features["gap"]) * floor
 
 
 def _inadequate(evidence: Evidence, features: dict[str, float]) -> bool:

@@ -100,7 +100,7 @@ def rather_two(evidence: Evidence, found: Sequence[Hypothesis], best: Hypothesis
 def _are_simple(evidence: Evidence, pair: Hypothesis) -> bool:
     """Whether two effects of few constants leave nothing, and neither is a small part of the gap nor cancels the other."""
     size = rms(evidence.gap)
-    parts = [rms(pair.part(name)) / size for name in pair.names]
+    parts = [evidence.rms_of(pair.part(name)) / size for name in pair.names]
     much = min(parts) > SHARE[0] and max(parts) < SHARE[1]
     return much and count_unknowns(pair.terms) <= FEW and left_by(evidence, pair) < NOTHING
 

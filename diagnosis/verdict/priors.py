@@ -6,7 +6,6 @@ import numpy as np
 
 from ..hypotheses.evidence import FINE, Evidence, Hypothesis
 from ..names import GAIN
-from ..recording.noise import rms
 
 __all__ = ["BESIDE_OFF", "COMPANY_COST", "EFFECT_COST", "IDLE", "STANDS_IN", "prior"]
 
@@ -50,5 +49,5 @@ def prior(evidence: Evidence, hypothesis: Hypothesis, gap: float) -> float:
         cost += STAND_IN * (hypothesis.scale[0] >= (FINE if alone else 0.5 * FINE)) + STAND_IN_COMPANY * (not alone)
     # Effects and errors of the simulator that are each larger than the gap and cancel would be a coincidence.
     made = [hypothesis.signal, *(hypothesis.part(name) for name in hypothesis.names if len(hypothesis.names) > 1)]
-    size = max(map(rms, made)) / gap
+    size = max(map(evidence.rms_of, made)) / gap
     return -cost - COINCIDENCE * max(size / 1.25 - 1.0, 0.0) ** 2
