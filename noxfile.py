@@ -26,9 +26,8 @@ def tests(session: nox.Session) -> None:
     """The test suite with statement coverage, which must not fall below 90 %."""
     _install(session, "test")
     session.run("coverage", "erase")
-    # One process a core and one more, for some wait for others that they start. But each compiles what it calls and holds
-    # recordings: past four there is little to gain.
-    processes = str(min((os.cpu_count() or 1) + 1, 4))
+    # One process a core, but each compiles what it calls and holds recordings: past four there is little to gain.
+    processes = str(min(os.cpu_count() or 1, 4))
     # `python -m pytest` would put this folder on sys.path, where `datasets` would shadow another package.
     session.run(
         "pytest", "--numprocesses", processes, "--dist", "loadscope",

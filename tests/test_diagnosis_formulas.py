@@ -27,7 +27,7 @@ IMPLICIT = {
 """Laws told in prose: what they need must be found."""
 PERIODS = 2.5
 NUMPYS = {
-    "exp", "sin", "cos", "tanh", "arctan", "arcsinh", "log", "logaddexp", "sqrt", "sign", "abs", "clip", "where", "maximum", "minimum", "max",
+    "exp", "sin", "cos", "tanh", "arctan", "arcsinh", "hypot", "log", "logaddexp", "sqrt", "sign", "abs", "clip", "where", "maximum", "minimum", "max",
     "pi",
 }  # fmt: skip
 """Words that need no explanation."""

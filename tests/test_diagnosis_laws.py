@@ -281,7 +281,7 @@ def test_a_stop_that_a_few_large_swings_press_far_in_is_a_stop(side: float) -> N
     assert found.verdict == ["end_stop"]
 
 
-@pytest.mark.parametrize("ends", [(0.3, 9.0), (9.0, 0.3), (0.35, 0.25)], ids=["above", "below", "both"])
+@pytest.mark.parametrize("ends", [(0.3, 9.0), (9.0, 0.3), (0.45, 0.4)], ids=["above", "below", "both"])
 def test_a_stop_that_a_load_behind_a_spring_meets_is_a_stop(ends: tuple[float, float]) -> None:
     """Its friction has it meet the stop at another deflection than it leaves it."""
     _, x = swelling()
@@ -294,13 +294,15 @@ def test_a_stop_that_a_load_behind_a_spring_meets_is_a_stop(ends: tuple[float, f
 
 def test_a_stop_that_is_met_at_the_very_end_is_a_stop() -> None:
     _, x = swelling()
+    # It often is at the end of what it can do.
+    x = np.tanh(3.0 * x)
     end = 0.994 * x.max()
     found = diagnosed(x, joint(x) + 150.0 * np.maximum(x - end, 0.0))
     assert found.verdict == ["end_stop"]
     assert found.effects[0].parameters["upper"] == pytest.approx(end, rel=0.002)
 
 
-@pytest.mark.parametrize(("threshold", "offset"), [(1.5, 0.0), (2.5, 0.1)])
+@pytest.mark.parametrize(("threshold", "offset"), [(1.5, 0.0), (1.5, 0.1)])
 def test_contacts_that_only_a_large_load_presses_together_rub_by_the_load(threshold: float, offset: float) -> None:
     _, x = swelling()
     y = joint(x)

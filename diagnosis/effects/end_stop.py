@@ -42,11 +42,19 @@ def _damped(side: float) -> Columns:
     return columns
 
 
-def _ends(x: Floats, middle: float, reach: float) -> tuple[list[float], tuple[float, float]]:
+def _between(x: Floats, reach: float) -> tuple[float, float]:
+    """Between which places the upper of two stops may be along a motion (n,): it is not met most of the time, nor for a moment."""
+    middle = 0.5 * float(x.max() + x.min())
+    often, hardly = (float(np.quantile(x, 1.0 - share)) for share in (SELDOM, min(FEWEST / x.size, 1.0)))
+    innermost = min(INNERMOST, max(often - middle, 0.0) / reach)
+    return middle + innermost * reach, middle + float(np.clip((hardly - middle) / reach, *OUTERMOST)) * reach
+
+
+def _ends(x: Floats, reach: float) -> tuple[list[float], tuple[float, float]]:
     """Where the upper of two stops may begin to be looked for along a motion (n,), and between which places it may be."""
-    innermost = min(INNERMOST, max(float(np.quantile(x, 1.0 - SELDOM)) - middle, 0.0) / reach)
-    shares = (0.5 * (innermost + SHARES[0]), *SHARES)
-    return [middle + f * reach for f in shares], (middle + innermost * reach, middle + OUTERMOST * reach)
+    middle, (inner, outer) = 0.5 * float(x.max() + x.min()), _between(x, reach)
+    shares = (0.5 * ((inner - middle) / reach + SHARES[0]), *SHARES)
+    return [middle + share * reach for share in shares], (inner, outer)
 
 
 def _contact(side: float, power: float | None = None) -> Columns:
@@ -123,13 +131,19 @@ BUMPERS = (
     ("exponential", "(exp({depth} / thickness) - 1)", _progressive, 0.2),
 )
 """Stops that stiffen as they are pressed: their equation, and the thickness to start from as a share of the reach."""
-SHARES, INNERMOST, OUTERMOST = (0.45, 0.55, 0.65, 0.72, 0.79, 0.85, 0.9, 0.94, 0.97), 0.35, 0.998
-"""Where stops begin to be looked for, and between which places they may be, from the middle of the motion on as a share of its reach."""
+SHARES, INNERMOST, OUTERMOST = (0.45, 0.55, 0.65, 0.72, 0.79, 0.85, 0.9, 0.94, 0.97), 0.35, (0.985, 0.998)
+"""Where stops begin to be looked for, and between which places they may be, from the middle of the motion on as a share of its reach:
+farthest out where enough samples are beyond."""
+FEWEST = 20
+"""Samples that are enough."""
 SELDOM = 0.2
 """Share of the time for which a stop may be met that is farther in: a few large swings do not tell where most of the motion ends."""
 ANY = "Hunt-Crossley of any power"
-STIFF, STRETCHED, SMALLEST = 0.02, 0.4, 1e-12
-"""Stretch of the spring before a load at the largest torque, over the reach: the least, and that to start from; the least torque, N·m."""
+SOMETIMES = 0.02
+"""Share of the time for which a load is in a stop at least: with a spring of any kind a single sample can be had."""
+STIFF, STRETCHED, FARTHEST_IN, SMALLEST = 0.02, 0.4, 0.15, 1e-12
+"""Stretch of the spring before a load at the largest torque, over the reach: the least, and that to start from; where its stops are at
+least, as those of the deflection; the least torque, N·m, and reach, rad."""
 TURNED = 0.003
 """Way over which the friction of a stop turns round, over the reach."""
 POWERS = (1.0, 2.5)
@@ -177,24 +191,37 @@ def _bumper(sides: Sequence[str], law: Callable[[Floats, float], Floats]) -> Col
     return columns
 
 
-def _of_load(sides: Sequence[str]) -> Columns:
-    """Stops of a load that a spring moves: its place is the deflection without what the torque stretches the spring.
+def _pressed_by(scene: Scene, side: float, end: float, compliance: float) -> Floats:
+    """How deep a load that a spring moves is in a stop on one side, with its sign, rad, shape (n,)."""
+    place = side * (scene.signals.smooth_x - compliance * scene.torque)
+    # Where it moves is known with the spring only. On another recording a stop stays where it was found.
+    low, _ = _between(place, max(0.5 * float(np.ptp(place)), SMALLEST))
+    there = bool(scene.signals.sizes) or low <= end <= float(np.quantile(place, 1.0 - SOMETIMES))
+    return np.asarray(side * np.maximum(place - end, 0.0) * there)
 
-    Friction of the load has it meet them at another deflection than it leaves them.
+
+def _of_load(sides: Mapping[str, float]) -> Columns:
+    """Stops of a load that a spring moves: the deflection without what the torque stretches the spring is where it is.
+
+    Its friction has it meet them at another deflection than it leaves them.
     """
-
-    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        place = scene.signals.smooth_x - shape[-1] * scene.torque
-        signs = [1.0 if side == "upper" else -1.0 for side in sides]
-        depths = [np.maximum(sign * place - end, 0.0) for sign, end in zip(signs, shape, strict=False)]
-        return np.column_stack([sign * depth for sign, depth in zip(signs, depths, strict=True)])
-
-    return columns
+    return lambda scene, shape: np.column_stack(
+        [_pressed_by(scene, side, end, shape[-1]) for side, end in zip(sides.values(), shape, strict=False)]
+    )
 
 
-def _where_load_is(reach: float, compliance: float) -> Callable[[tuple[float, ...], Floats], tuple[float, ...]]:
-    """Where to look for the stops of a load, from where those of the deflection were found."""
-    return lambda shape, coefficients: (*(end - STRETCHED * reach for end in shape), STRETCHED * compliance)
+def _where_load_is(
+    scene: Scene, sides: Mapping[str, float], compliance: float
+) -> Callable[[tuple[float, ...], Floats], tuple[float, ...]]:
+    """Where stops of a load are looked for first: it meets them for as long as those of the deflection were met."""
+
+    def start(shape: tuple[float, ...], coefficients: Floats) -> tuple[float, ...]:
+        x = scene.signals.smooth_x
+        place = x - compliance * scene.torque
+        shares = [float(np.mean(side * x < end)) for side, end in zip(sides.values(), shape, strict=True)]
+        return (*(float(np.quantile(s * place, q)) for s, q in zip(sides.values(), shares, strict=True)), compliance)
+
+    return start
 
 
 def _thick(thickness: float) -> Callable[[tuple[float, ...], Floats], tuple[float, ...]]:
@@ -262,9 +289,8 @@ class EndStop(Effect):
 
     def forms(self, scene: Scene) -> list[Form]:
         x = scene.signals.smooth_x
-        middle, reach = 0.5 * float(x.max() + x.min()), scene.signals.reach
-        up, top = _ends(x, middle, reach)
-        down, bottom = _ends(-x, -middle, reach)
+        reach = scene.signals.reach
+        (up, top), (down, bottom) = _ends(x, reach), _ends(-x, reach)
         span, interval = float(scene.signals.elapsed.max()), scene.signals.interval
         by_speed = next(law for law in direction_laws(scene) if law.by_speed)
         lossy = [
@@ -306,19 +332,24 @@ class EndStop(Effect):
                      equation=f"y {'-' if side < 0.0 else '+'}= {_relaxes(told, 'relaxing')}"),
             ]  # fmt: skip
         softest = reach / max(float(np.abs(scene.torque).max()), SMALLEST)
-        for sides, ends in ((("upper",), [top]), (("lower",), [bottom]), (("upper", "lower"), [top, bottom])):
-            told, stiffnesses = "both" if len(sides) > 1 else sides[0], [f"stiffness_{side}" for side in sides]
+        for sides, ends in (
+            ({"upper": 1.0}, [top]),
+            ({"lower": -1.0}, [bottom]),
+            ({"upper": 1.0, "lower": -1.0}, [top, bottom]),
+        ):
+            told, stiffnesses = "both" if len(sides) > 1 else next(iter(sides)), [f"stiffness_{side}" for side in sides]
             none, most, plain = (0.0,) * len(sides), (np.inf,) * len(sides), (told, f"{told}, Hertz")
             made += [
-                Form(f"{told}, {kind}", stiffnesses, _bumper(sides, law), none, most, (*sides, "thickness"), (),
+                Form(f"{told}, {kind}", stiffnesses, _bumper(list(sides), law), none, most, (*sides, "thickness"), (),
                      [*ends, (0.03 * reach, 3.0 * reach)], plain, _thick(share * reach),
-                     equation=_pressed(sides, equation))
+                     equation=_pressed(list(sides), equation))
                 for kind, equation, law, share in BUMPERS
             ]  # fmt: skip
+            farther_in = [(high - (OUTERMOST[1] - FARTHEST_IN) * reach, high) for _, high in ends]
             made.append(
                 Form(f"{told}, of the load", stiffnesses, _of_load(sides), none, most, (*sides, "compliance"), (),
-                     [*((low - reach, high) for low, high in ends), (STIFF * softest, softest)], plain, _where_load_is(reach, softest),
-                     equation=_pressed(sides, "{depth}", DEPTHS_OF_LOAD))
+                     [*farther_in, (STIFF * softest, softest)], plain, _where_load_is(scene, sides, STRETCHED * softest),
+                     equation=_pressed(list(sides), "{depth}", DEPTHS_OF_LOAD))
             )  # fmt: skip
         ends, all_four = [top, bottom], ("stiffness_upper", "stiffness_lower", "damping", "damping_lower")
         any_size = (0.0,) * 4, (np.inf,) * 4
