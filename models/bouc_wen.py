@@ -12,7 +12,6 @@ from typing import Any, ClassVar
 import numpy as np
 from numba import njit
 from scipy.optimize import least_squares
-from scipy.stats import qmc
 
 from ..errors import InputError
 from .base import Condition, Floats, HysteresisModel, Run, parameter_number
@@ -228,6 +227,9 @@ class BoucWen(HysteresisModel):
         if self.n is not None:
             lower[2], upper[2] = self.n - 1e-12, self.n + 1e-12
         sparse = thinned(scaled, GLOBAL_SAMPLES)
+        # It takes a quarter of a second to load, which those do not need who only predict.
+        from scipy.stats import qmc
+
         points = qmc.scale(qmc.Sobol(3, seed=self.seed).random(self.starts), lower, upper)
         costs = [_cost(_residuals(point, sparse)) for point in points]
         best: Any = None

@@ -11,7 +11,6 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy.optimize import least_squares
-from scipy.stats import qmc
 
 from .base import Floats, Run, sampling_intervals
 from .least_squares import solve
@@ -97,6 +96,9 @@ def fit_separable(
     refined = [np.clip(guess, low, high) for guess in guesses]
     if starts:
         # Sobol points come in powers of two; what is beyond ``starts`` is dropped.
+        # It takes a quarter of a second to load, which those do not need who only predict.
+        from scipy.stats import qmc
+
         sequence = qmc.Sobol(low.size, seed=seed).random_base2(int(np.ceil(np.log2(starts))))[:starts]
         points = qmc.scale(sequence, low, high)
         costs = [np.sum(errors(point, few) ** 2) for point in points]

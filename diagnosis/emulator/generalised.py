@@ -56,8 +56,8 @@ UNTOLD, UNTOLD_CLOSER = 0.03, 0.5
 """Share of a run that is left out where it does not tell how much should be, and how much of the error must be left without it."""
 MASKED = 4
 """Times at most that the beginning is left out: what is followed better without a part of it shows how much more should be."""
-FEW = 3000
-"""Samples that are enough to tell derivatives apart."""
+FEW, RESOLVED = 3000, 1e-4
+"""Samples that are enough to tell derivatives apart, and what of their columns is told there, over the largest."""
 GOOD_ENOUGH = 0.01
 """Error, as a share of the output, from which elements of the other sign are tried."""
 FARTHER, ALL_THE_SAME = 1.2, 0.02
@@ -311,7 +311,11 @@ class Generalised:
         columns = np.hstack([part[some] for part in (elastic, elements, rates, friction)])
         columns /= np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
         target = self.signals.y_sim[some]
-        return rms(target - columns @ np.linalg.lstsq(columns, target, rcond=1e-4)[0])
+        # Least squares by the products' modes: several times as fast as by the singular values of so many rows.
+        sizes, modes = np.linalg.eigh(columns.T @ columns)
+        told = sizes > RESOLVED**2 * sizes[-1]
+        weights = modes[:, told] @ ((modes[:, told].T @ (columns.T @ target)) / sizes[told])
+        return rms(target - columns @ weights)
 
     @cached_property
     def _extent(self) -> Extent:
