@@ -160,7 +160,8 @@ class Form:
     overdone : bool
         Whether it takes away what the simulator has too much of; then it must bring more than a usual law.
     guessed : bool
-        Whether it finds itself on what part of the simulator it acts, where others are told; then, too, it must bring more.
+        Whether it finds itself what others are told, as on what part of the simulator it acts or from what load on; then, too, it
+        must bring more, and beside a model that was fitted to the joint, which takes much of what it would find, it is not asked.
     borders : sequence of (bool, bool)
         Whether at the lower and the upper limit of each shape begins another effect, of which the law is only an image
         there; nowhere if empty.

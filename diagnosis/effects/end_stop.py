@@ -349,7 +349,7 @@ class EndStop(Effect):
             made.append(
                 Form(f"{told}, of the load", stiffnesses, _of_load(sides), none, most, (*sides, "compliance"), (),
                      [*farther_in, (STIFF * softest, softest)], plain, _where_load_is(scene, sides, STRETCHED * softest),
-                     equation=_pressed(list(sides), "{depth}", DEPTHS_OF_LOAD))
+                     guessed=True, equation=_pressed(list(sides), "{depth}", DEPTHS_OF_LOAD))
             )  # fmt: skip
         ends, all_four = [top, bottom], ("stiffness_upper", "stiffness_lower", "damping", "damping_lower")
         any_size = (0.0,) * 4, (np.inf,) * 4

@@ -36,7 +36,7 @@ BARELY = 1e-9
 CURVED, POWER, PRESLIDING_POWER = 1.6, 2.5, 1.25
 """Powers of the load: from which it starts where friction is known to grow more than in proportion, and the highest that friction
 goes with, of contacts that spread or wedge, by speed and else. What builds up over a distance as well passes for a clearance then (a
-cycloidal drive's was taken for it), and so does what only a load beyond a threshold presses."""
+cycloidal drive's was taken for it), and so does what only a load beyond a threshold presses beside a model that was fitted."""
 CONTACTS = MappingProxyType({
     "presliding": ("pressed bristles", "dahl", yielding),
     "elastic presliding": ("pressed slider", "slip", slid),
@@ -239,7 +239,7 @@ class LoadDependentFriction(Effect):
                 *(
                     Form(f"by {of} beyond a threshold, {law.name}", ("friction_coefficient",), _beyond(law, load.of), (0.0,), (np.inf,),
                          (law.parameter, "threshold"), (), [law.limits, (0.02 * strongest, 0.8 * strongest)], simpler(of, law.name),
-                         lambda shape, _: (shape[0], 0.2 * strongest),
+                         lambda shape, _: (shape[0], 0.2 * strongest), guessed=not law.by_speed,
                          equation=f"y += friction_coefficient * maximum(abs({load.symbol}) - threshold, 0) * {law.equation}")
                     for of, load in (carried.items() if law.name != "elastic presliding" else ())
                 ),

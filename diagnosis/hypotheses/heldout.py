@@ -45,10 +45,9 @@ class HeldOut:
     recalibration: Floats
 
 
-def _blocks_of(evidence: Evidence, hypothesis: Hypothesis) -> int:
+def _blocks_of(hypothesis: Hypothesis) -> int:
     """Blocks a fold, so many that no effect hides in one of them, such as a stop that is touched once beside others."""
-    parts = (hypothesis.part(name) * evidence.rows for name in hypothesis.names)
-    return max(map(_blocks, parts), default=BLOCKS_A_FOLD)
+    return max((_blocks(hypothesis.part(name)) for name in hypothesis.names), default=BLOCKS_A_FOLD)
 
 
 def _blocks(signal: Floats) -> int:
@@ -84,14 +83,14 @@ def held_out(evidence: Evidence, hypothesis: Hypothesis, evaluations: int = 4) -
     n = evidence.scene.torque.size
     signal, recalibration = np.zeros(n), np.zeros(n)
     parts = {name: np.zeros(n) for name in hypothesis.names}
-    for kept, out in _folds(evidence, _blocks_of(evidence, hypothesis)):
+    for kept, out in _folds(evidence, _blocks_of(hypothesis)):
         seen = kept & evidence.rows
         part = evidence.on(seen)
         fitted = part.fit(hypothesis.terms, (hypothesis.scale,))
         if evaluations:
             fitted = refine(part, fitted, evaluations, (hypothesis.scale,))
         # What happened in the blocks held out alone cannot be known from the others: nothing is predicted of it.
-        power = np.mean(np.square(fitted.columns[evidence.rows]), axis=0)
+        power = np.mean(np.square(fitted.columns), axis=0)
         unseen = np.mean(np.square(fitted.columns[seen]), axis=0) < UNSEEN * power
         fitted.coefficients = np.where(unseen, 0.0, fitted.coefficients)
         whole = fitted.signal
