@@ -16,7 +16,7 @@ from scipy.optimize import least_squares
 from ..errors import InputError
 from .base import Condition, Floats, HysteresisModel, Run, parameter_number
 from .motion import settled_from
-from .separable import thinned
+from .separable import spread_points, thinned
 from .stepping import KernelStepper
 
 __all__ = ["BoucWen"]
@@ -227,10 +227,7 @@ class BoucWen(HysteresisModel):
         if self.n is not None:
             lower[2], upper[2] = self.n - 1e-12, self.n + 1e-12
         sparse = thinned(scaled, GLOBAL_SAMPLES)
-        # It takes a quarter of a second to load, which those do not need who only predict.
-        from scipy.stats import qmc
-
-        points = qmc.scale(qmc.Sobol(3, seed=self.seed).random(self.starts), lower, upper)
+        points = spread_points(lower, upper, self.starts, self.seed)
         costs = [_cost(_residuals(point, sparse)) for point in points]
         best: Any = None
         # Very different parameters give nearly the same loop: refine the best few, keep the best of them.

@@ -16,7 +16,7 @@ from .base import Floats, Run, sampling_intervals
 from .least_squares import solve
 from .motion import auto_dead_band, settled_from, turning_points
 
-__all__ = ["fit_separable", "largest_speed", "powers", "thinned", "unscaled"]
+__all__ = ["fit_separable", "largest_speed", "powers", "spread_points", "thinned", "unscaled"]
 
 SEARCH_SAMPLES = 2000
 """Samples of the global search; the refinement uses all."""
@@ -51,6 +51,16 @@ def thinned(runs: Sequence[Run], samples: int) -> list[Run]:
         kept = np.union1d(np.arange(0, run.x.size, stride), turning_points(run.x, auto_dead_band(run.x)))
         result.append(Run(run.x[kept], run.y[kept], None if run.time is None else run.time[kept]))
     return result
+
+
+def spread_points(low: Floats, high: Floats, count: int, seed: int) -> Floats:
+    """Points of a scrambled Sobol sequence between ``low`` and ``high`` (m,), shape (count, m)."""
+    # It takes a quarter of a second to load, which those do not need who only predict.
+    from scipy.stats import qmc
+
+    # Sobol points come in powers of two; what is beyond ``count`` is dropped.
+    sequence = qmc.Sobol(low.size, seed=seed).random_base2(int(np.ceil(np.log2(count))))[:count]
+    return np.asarray(qmc.scale(sequence, low, high))
 
 
 def fit_separable(
@@ -95,12 +105,7 @@ def fit_separable(
     few = thinned(runs, SEARCH_SAMPLES)
     refined = [np.clip(guess, low, high) for guess in guesses]
     if starts:
-        # Sobol points come in powers of two; what is beyond ``starts`` is dropped.
-        # It takes a quarter of a second to load, which those do not need who only predict.
-        from scipy.stats import qmc
-
-        sequence = qmc.Sobol(low.size, seed=seed).random_base2(int(np.ceil(np.log2(starts))))[:starts]
-        points = qmc.scale(sequence, low, high)
+        points = spread_points(low, high, starts, seed)
         costs = [np.sum(errors(point, few) ** 2) for point in points]
         refined += [points[k] for k in np.argsort(costs, kind="stable")[:REFINED]]
     spread = 0.25 * (high - low)

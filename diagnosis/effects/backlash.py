@@ -99,8 +99,8 @@ def _rounded(x: Floats, half: float, rounding: float) -> Floats:
 
 
 def _rounded_gap(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    x, half, rounding = scene.signals.x, 0.5 * shape[0], shape[1]
-    return x - _rounded(x, half, rounding)
+    clearance, rounding = shape
+    return _rounded_gap_about(scene, (clearance, 0.0, rounding))
 
 
 def _rounded_gap_about(scene: Scene, shape: tuple[float, ...]) -> Floats:

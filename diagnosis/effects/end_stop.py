@@ -148,6 +148,8 @@ TURNED = 0.003
 """Way over which the friction of a stop turns round, over the reach."""
 POWERS = (1.0, 2.5)
 """Limits of a contact's power of its depth: from a plate's to a blunt tip's."""
+SIDES = {"upper": 1.0, "lower": -1.0}
+"""By name, the direction in which each stop is pressed."""
 DEPTHS = {"upper": "maximum(x - upper, 0)", "lower": "maximum(-x - lower, 0)"}
 """How deep each stop is pressed, in equations."""
 DEPTHS_OF_LOAD = {
@@ -184,9 +186,8 @@ def _pressed(sides: Sequence[str], equation: str, depths: Mapping[str, str] = DE
 
 def _bumper(sides: Sequence[str], law: Callable[[Floats, float], Floats]) -> Columns:
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        signs = [1.0 if side == "upper" else -1.0 for side in sides]
-        depths = [np.maximum(sign * scene.signals.smooth_x - end, 0.0) for sign, end in zip(signs, shape, strict=False)]
-        return np.column_stack([sign * law(depth, shape[-1]) for sign, depth in zip(signs, depths, strict=True)])
+        ends = zip((SIDES[side] for side in sides), shape, strict=False)
+        return np.column_stack([side * law(_depth(scene, side, end), shape[-1]) for side, end in ends])
 
     return columns
 
@@ -200,26 +201,26 @@ def _pressed_by(scene: Scene, side: float, end: float, compliance: float) -> Flo
     return np.asarray(side * np.maximum(place - end, 0.0) * there)
 
 
-def _of_load(sides: Mapping[str, float]) -> Columns:
+def _of_load(sides: Sequence[str]) -> Columns:
     """Stops of a load that a spring moves: the deflection without what the torque stretches the spring is where it is.
 
     Its friction has it meet them at another deflection than it leaves them.
     """
     return lambda scene, shape: np.column_stack(
-        [_pressed_by(scene, side, end, shape[-1]) for side, end in zip(sides.values(), shape, strict=False)]
+        [_pressed_by(scene, SIDES[side], end, shape[-1]) for side, end in zip(sides, shape, strict=False)]
     )
 
 
 def _where_load_is(
-    scene: Scene, sides: Mapping[str, float], compliance: float
+    scene: Scene, sides: Sequence[str], compliance: float
 ) -> Callable[[tuple[float, ...], Floats], tuple[float, ...]]:
     """Where stops of a load are looked for first: it meets them for as long as those of the deflection were met."""
 
     def start(shape: tuple[float, ...], coefficients: Floats) -> tuple[float, ...]:
         x = scene.signals.smooth_x
-        place = x - compliance * scene.torque
-        shares = [float(np.mean(side * x < end)) for side, end in zip(sides.values(), shape, strict=True)]
-        return (*(float(np.quantile(s * place, q)) for s, q in zip(sides.values(), shares, strict=True)), compliance)
+        place, signs = x - compliance * scene.torque, [SIDES[side] for side in sides]
+        shares = [float(np.mean(sign * x < end)) for sign, end in zip(signs, shape, strict=True)]
+        return (*(float(np.quantile(s * place, q)) for s, q in zip(signs, shares, strict=True)), compliance)
 
     return start
 
@@ -310,7 +311,7 @@ class EndStop(Effect):
                      (np.inf, np.inf), ("upper", "lower"), list(zip(up, down, strict=True)), [top, bottom],
                      equation=f"y += {_term('upper', power)} - {_term('lower', power)}"),
             ]  # fmt: skip
-        for side, told, limits in ((1.0, "upper", top), (-1.0, "lower", bottom)):
+        for (told, side), limits in zip(SIDES.items(), (top, bottom), strict=True):
             names = (f"stiffness_{told}", "damping")
             free = (0.0, 0.0), (np.inf, np.inf), (told,), (), [limits]
             made += [
@@ -332,24 +333,20 @@ class EndStop(Effect):
                      equation=f"y {'-' if side < 0.0 else '+'}= {_relaxes(told, 'relaxing')}"),
             ]  # fmt: skip
         softest = reach / max(float(np.abs(scene.torque).max()), SMALLEST)
-        for sides, ends in (
-            ({"upper": 1.0}, [top]),
-            ({"lower": -1.0}, [bottom]),
-            ({"upper": 1.0, "lower": -1.0}, [top, bottom]),
-        ):
-            told, stiffnesses = "both" if len(sides) > 1 else next(iter(sides)), [f"stiffness_{side}" for side in sides]
+        for sides, ends in ((("upper",), [top]), (("lower",), [bottom]), (("upper", "lower"), [top, bottom])):
+            told, stiffnesses = "both" if len(sides) > 1 else sides[0], [f"stiffness_{side}" for side in sides]
             none, most, plain = (0.0,) * len(sides), (np.inf,) * len(sides), (told, f"{told}, Hertz")
             made += [
-                Form(f"{told}, {kind}", stiffnesses, _bumper(list(sides), law), none, most, (*sides, "thickness"), (),
+                Form(f"{told}, {kind}", stiffnesses, _bumper(sides, law), none, most, (*sides, "thickness"), (),
                      [*ends, (0.03 * reach, 3.0 * reach)], plain, _thick(share * reach),
-                     equation=_pressed(list(sides), equation))
+                     equation=_pressed(sides, equation))
                 for kind, equation, law, share in BUMPERS
             ]  # fmt: skip
             farther_in = [(high - (OUTERMOST[1] - FARTHEST_IN) * reach, high) for _, high in ends]
             made.append(
                 Form(f"{told}, of the load", stiffnesses, _of_load(sides), none, most, (*sides, "compliance"), (),
                      [*farther_in, (STIFF * softest, softest)], plain, _where_load_is(scene, sides, STRETCHED * softest),
-                     guessed=True, equation=_pressed(list(sides), "{depth}", DEPTHS_OF_LOAD))
+                     guessed=True, equation=_pressed(sides, "{depth}", DEPTHS_OF_LOAD))
             )  # fmt: skip
         ends, all_four = [top, bottom], ("stiffness_upper", "stiffness_lower", "damping", "damping_lower")
         any_size = (0.0,) * 4, (np.inf,) * 4

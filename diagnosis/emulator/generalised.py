@@ -311,7 +311,7 @@ class Generalised:
         columns = np.hstack([part[some] for part in (elastic, elements, rates, friction)])
         columns /= np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
         target = self.signals.y_sim[some]
-        # Least squares by the products' modes: several times as fast as by the singular values of so many rows.
+        # Least squares by the products' modes, which takes less than by the singular values of so many rows.
         sizes, modes = np.linalg.eigh(columns.T @ columns)
         told = sizes > RESOLVED**2 * sizes[-1]
         weights = modes[:, told] @ ((modes[:, told].T @ (columns.T @ target)) / sizes[told])

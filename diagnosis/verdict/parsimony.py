@@ -80,8 +80,8 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
         changed = False
         options: list[tuple[float, Hypothesis]] = []
         for name in best.names:
+            size = evidence.rms_of(best.part(name)) ** 2 / energy
             if len(best.names) > 1:
-                size = evidence.rms_of(best.part(name)) ** 2 / energy
                 smaller, loss = beside_same_simulator(best.names - {name})
                 if smaller is None:
                     continue
@@ -95,7 +95,6 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
                     options.append((loss, smaller))
             for special in next(term.effect for term in best.terms if term.effect.id == name).contains:
                 other, loss = beside_same_simulator((best.names - {name}) | {special})
-                size = evidence.rms_of(best.part(name)) ** 2 / energy
                 if other is not None and loss < CONTAINED * min(size, 1.0):
                     options.append((loss, other))
         if options:
