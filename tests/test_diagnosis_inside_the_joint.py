@@ -55,28 +55,49 @@ def test_strength_is_the_change_with_the_level_at_which_friction_slides(gain: fl
     assert np.std(gain * scene.strength_about(np.full(X.size, gain)) - change) < 0.15 * np.std(change)
 
 
+def slid(more: Floats) -> Floats:
+    """Sliders that slide at ``more`` (n,) times their level and are as stiff as ever."""
+    elastic, limit = (np.array(values) for values in zip(*ELEMENTS, strict=True))
+    state, out = np.zeros(len(ELEMENTS)), np.empty_like(X)
+    for k, step in enumerate(np.diff(X, prepend=0.0)):
+        state = np.clip(state + step, -more[k] * limit / elastic, more[k] * limit / elastic)
+        out[k] = elastic @ state
+    return out
+
+
 @pytest.mark.parametrize("part", ["the friction's strength", "the stiffness"])
 @pytest.mark.parametrize("drift", [-0.4, 0.8])
 def test_what_changes_much_inside_the_joint_is_followed_all_the_way(part: str, drift: float) -> None:
-    gain = drift * TIME / TIME[-1]
-    real = np.empty_like(X)
-    state = np.zeros(len(ELEMENTS))
-    elastic, limit = (np.array(values) for values in zip(*ELEMENTS, strict=True))
-    for k, step in enumerate(np.diff(X, prepend=0.0)):
-        more = 1.0 + gain[k]
-        # Each element by its stretch, which a stiffness that changes leaves as it is.
-        if part == "the stiffness":
-            state = np.clip(state + step, -limit / elastic / more, limit / elastic / more)
-            real[k] = more * (spring(X[k : k + 1])[0] + elastic @ state)
-        else:
-            state = np.clip(state + step, -more * limit / elastic, more * limit / elastic)
-            real[k] = spring(X[k : k + 1])[0] + elastic @ state
+    more = 1.0 + drift * TIME / TIME[-1]
+    # Each element by its stretch, which a stiffness that changes leaves as it is.
+    real = more * (spring(X) + slid(1.0 / more)) if part == "the stiffness" else spring(X) + slid(more)
     found = diagnosed(real)
     assert found.verdict == ["thermal_drift"]
     assert found.closed_in_all > 0.99
     effect = next(effect for effect in found.effects if effect.name == "thermal_drift")
     assert effect.law == f"stiffness, linear, of {part}"
     assert effect.parameters["stiffness_drift"] * TIME[-1] == pytest.approx(drift, rel=0.05)
+
+
+WORN, WARM = TRAVEL / TRAVEL[-1], 1.0 - np.exp(-TIME / 9.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "cause", "of_spring", "of_friction"),
+    [(WORN, "cyclic_softening", -0.1, -0.5), (1.0 - np.exp(-2.0 * WORN), "cyclic_softening", -0.1, -0.5),
+     (WARM, "thermal_drift", -0.1, -0.5), (WARM, "thermal_drift", -0.15, 0.4)],
+    ids=["wear", "wear that ends", "a joint that warms up", "a spring that warms up and pads that grip"],
+)  # fmt: skip
+def test_spring_and_strength_that_change_with_one_clock_but_not_alike_have_one_cause(
+    change: Floats, cause: str, of_spring: float, of_friction: float
+) -> None:
+    found = diagnosed(spring(X) * (1.0 + of_spring * change) + slid(1.0 + of_friction * change))
+    assert found.verdict == [cause]
+    assert found.closed_in_all > 0.995
+    assert found.effects[0].law.endswith("of spring and friction's strength")
+    kind = "softening" if cause == "cyclic_softening" else "drift"
+    told = found.effects[0].parameters
+    assert told[f"friction_{kind}"] / told[f"spring_{kind}"] == pytest.approx(of_friction / of_spring, rel=0.05)
 
 
 @pytest.mark.parametrize("preload", [0.0, 1.5])

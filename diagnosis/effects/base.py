@@ -51,6 +51,7 @@ __all__ = [
     "settling_limits",
     "settling_start",
     "times",
+    "unlike",
 ]
 
 Floats = NDArray[np.float64]
@@ -358,6 +359,26 @@ def inside(form: Form, laws: Columns, parts: Collection[str] = PARTS) -> list[Fo
     return [*made, _of_a_spring_found_anew(form, laws, made)] if len(form.coefficients) == 1 else made
 
 
+def unlike(form: Form, laws: Columns, changes: tuple[str, str], friction: str) -> Form:
+    """A law like ``form`` of one coefficient, which scales the whole torque by ``laws`` (n, 1), by which the spring and what has
+    memory change, but not alike: by coefficients named ``changes``.
+
+    ``friction`` is that part's name: of all that has memory, or of the level at which it slides.
+    """
+    spring, second = PARTS["the spring"], PARTS[friction]
+    sign, law = form.equation.split()[1].removesuffix("="), law_of(form)
+    if second.about is None:
+        equation = f"y {sign}= {law} * ({changes[0]} * {spring.symbol} + {changes[1]} * {second.symbol})"
+    else:
+        less = sign.removeprefix("+")
+        equation = f"y += {less}{changes[0]} * {law} * {spring.symbol} + {second.symbol}({less}{changes[1]} * {law})"
+    return replace(
+        form, name=f"{form.name}, of spring and {friction.removeprefix('the ')}", coefficients=changes, equation=equation,
+        columns=times(laws, spring.of, second.of), lower=(*form.lower,) * 2, upper=(*form.upper,) * 2,
+        about=_about_second(laws, spring.of, second.about) if second.about else None,
+    )  # fmt: skip
+
+
 def law_of(form: Form) -> str:
     """What a form of one coefficient scales the whole torque by, for a coefficient of one, from its equation."""
     return form.equation.split("= ", 1)[1].removeprefix(f"{form.coefficients[0]} * ").removesuffix(" * y")
@@ -394,6 +415,16 @@ def _about(laws: Columns, part: Callable[[Scene, Floats], Floats]) -> ColumnsAbo
     def columns(scene: Scene, shape: tuple[float, ...], coefficients: Floats) -> Floats:
         relative = laws(scene, shape)
         return relative * part(scene, relative @ coefficients)[:, None]
+
+    return columns
+
+
+def _about_second(
+    laws: Columns, first: Callable[[Scene], Floats], second: Callable[[Scene, Floats], Floats]
+) -> ColumnsAbout:
+    def columns(scene: Scene, shape: tuple[float, ...], coefficients: Floats) -> Floats:
+        relative = laws(scene, shape)
+        return relative * np.column_stack([first(scene), second(scene, relative[:, 0] * coefficients[1])])
 
     return columns
 

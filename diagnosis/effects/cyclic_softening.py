@@ -10,7 +10,6 @@ import numpy as np
 
 from .base import (
     EXACT_PARTS,
-    PARTS,
     TRAVEL,
     Columns,
     Effect,
@@ -20,8 +19,7 @@ from .base import (
     Scene,
     geometric,
     inside,
-    law_of,
-    times,
+    unlike,
 )
 
 __all__ = ["CyclicSoftening"]
@@ -33,6 +31,7 @@ MORE = 1.2
 """All turns over those that are no dither, from which it matters which of them count."""
 GROWN = 0.9
 """Mean of the largest deflection so far over the last, from which on it is as large as that from the start."""
+SOFTENINGS = "spring_softening", "friction_softening"
 LOSSY = 0.3
 """Losses over all the work of the part with memory, above which they are no trace that an emulator leaves of a spring."""
 
@@ -145,14 +144,11 @@ def _lost(worn: Worn) -> Columns:
 def _within(form: Form, worn: Worn) -> list[Form]:
     """Laws like ``form``, of the whole torque, that are of its parts, of one or, not alike, of both."""
     parts = inside(form, _column(worn))
-    spring, friction = (PARTS[name] for name in EXACT_PARTS)
-    both = replace(
-        form, name=f"{form.name}, of spring and friction", coefficients=("spring_softening", "friction_softening"),
-        columns=times(_column(worn), spring.of, friction.of), lower=(*form.lower,) * 2, upper=(*form.upper,) * 2, grid=(), guessed=True,
-        refines=(form.name, *(part.name for part in parts)),
-        equation=f"y -= {law_of(form)} * (spring_softening * {spring.symbol} + friction_softening * {friction.symbol})",
-    )  # fmt: skip
-    return [*parts, both]
+    both = [
+        replace(unlike(form, _column(worn), SOFTENINGS, of), grid=(), guessed=True, refines=(form.name, *(part.name for part in parts)))
+        for of in ("the friction", "the friction's strength")
+    ]  # fmt: skip
+    return [*parts, *both]
 
 
 class CyclicSoftening(Effect):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -20,6 +21,7 @@ from .base import (
     geometric,
     inside,
     times,
+    unlike,
 )
 
 __all__ = ["ThermalDrift"]
@@ -237,6 +239,12 @@ class ThermalDrift(Effect):
             *inside(warmed, _warming),
             *inside(waved, _wave),
         ]  # fmt: skip
+        for form, laws in (
+            (warmed, _warming), (steadily, _warming), (heated, _self_heating), (churned, _viscous_heating),
+        ):  # fmt: skip
+            grown = tuple(f"{form.name}, of {name}" for name in PARTS)
+            slid = unlike(form, laws, each, "the friction's strength")
+            made.append(replace(slid, grid=(), guessed=True, refines=(form.name, *grown)))
         for told, since, law in (
             ("switched on", SINCE, _switched_on), ("switched off", f"({EXPONENTIAL} - {SINCE})", _switched_off),
         ):  # fmt: skip
