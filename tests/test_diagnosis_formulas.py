@@ -25,6 +25,10 @@ IMPLICIT = {
     "gap at zero torque", "gap at zero torque, soft flanks", "gap at zero torque, free flight",
 }  # fmt: skip
 """Laws told in prose: what they need must be found."""
+INSIDE = "inside the joint"
+"""End of the names of laws by which friction's strength changes within a swing."""
+SLIDERS = (5.0, 0.15), (1.0, 0.3)
+"""Stiffness and level of the joint's friction."""
 PERIODS = 2.5
 NUMPYS = {
     "exp", "sin", "cos", "tanh", "arctan", "arcsinh", "hypot", "log", "logaddexp", "sqrt", "sign", "abs", "clip", "where", "maximum", "minimum", "max",
@@ -42,7 +46,7 @@ def scene() -> SimulatorScene:
     time = np.arange(4000) * 0.005
     x = 1.1 * np.sin(2 * np.pi * 0.31 * time) + 0.35 * np.sin(2 * np.pi * 0.83 * time)
     x *= 1.0 - np.exp(-time)
-    y = 4.0 * x + 0.9 * x**3 + sliders(x, ((5.0, 0.15), (1.0, 0.3)))
+    y = 4.0 * x + 0.9 * x**3 + sliders(x, SLIDERS)
     channels = {"motor_temperature": 20.0 + 3.0 * np.sin(0.1 * time), "clamp_force": 5.0 + np.cos(0.7 * time)}
     signals = Signals(time, x, y, y, [slice(0, time.size)], channels)
     return SimulatorScene(signals, emulate(signals, None))
@@ -57,8 +61,11 @@ def followed(x: Floats, step: Callable[[float, int], float], start: float = 0.0)
     return out
 
 
-def words() -> dict[str, Any]:
-    """The words of :mod:`hystbench.diagnosis.notation`, written from what they are said to mean."""
+def words(within_a_swing: bool) -> dict[str, Any]:
+    """The words of :mod:`hystbench.diagnosis.notation`, written from what they are said to mean.
+
+    Laws know friction's strength sample by sample where it changes ``within_a_swing``, and where it does so slowly as if it had not.
+    """
     s = scene().signals
     x, time, fine = s.smooth_x, s.elapsed, 20
 
@@ -124,13 +131,13 @@ def words() -> dict[str, Any]:
     y, spring, memory = s.y_sim, scene().spring, scene().friction
 
     def stronger(g: Floats | float) -> Floats:
-        """Where the gain changes, as with each gain throughout: friction turns round often enough."""
         gains = np.broadcast_to(g, x.shape)
-        if np.ptp(gains) == 0.0:
-            return scene().stronger(float(gains[0]))
-        some = np.linspace(gains.min(), gains.max(), 8)
-        made = np.array([scene().stronger(float(gain)) for gain in some])
-        return np.array([np.interp(gain, some, made[:, k]) for k, gain in enumerate(gains)])
+        if not within_a_swing and np.ptp(gains) > 0.0:
+            # As with each gain throughout: friction turns round often enough.
+            some = np.linspace(gains.min(), gains.max(), 8)
+            made = np.array([stronger(float(gain)) for gain in some])
+            return np.array([np.interp(gain, some, made[:, k]) for k, gain in enumerate(gains)])
+        return sum(f * (slip(s.x, f / k, 1.0 + gains) - slip(s.x, f / k)) for k, f in SLIDERS)
 
     def stiffer(g: Floats) -> Floats:
         return g * y + (1.0 + g) * stronger(-g / (1.0 + g))
@@ -170,7 +177,7 @@ def sizes(form: Form) -> Floats:
 
 def carried_out(form: Form, values: dict[str, Any]) -> Floats:
     """What the equation adds to the simulator's output."""
-    at, known = scene(), {**words(), **values}
+    at, known = scene(), {**words(form.name.endswith(INSIDE)), **values}
     head, _, text = form.equation.partition(" ")
     operator, _, text = text.partition(" ")
     if text.startswith("z,  z = "):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -77,6 +78,42 @@ def test_what_changes_much_inside_the_joint_is_followed_all_the_way(part: str, d
     effect = next(effect for effect in found.effects if effect.name == "thermal_drift")
     assert effect.law == f"stiffness, linear, of {part}"
     assert effect.parameters["stiffness_drift"] * TIME[-1] == pytest.approx(drift, rel=0.05)
+
+
+def slow(pace: float, curve: Callable[[Floats], Floats]) -> Floats:
+    return curve(np.abs(SPEED) / pace)
+
+
+EXCESS: dict[str, Callable[[Floats], Floats]] = {
+    "Gauss": lambda ratio: np.exp(-(ratio**2)),
+    "exponential": lambda ratio: np.exp(-ratio),
+    "hyperbola": lambda ratio: 1.0 / (1.0 + ratio),
+}
+
+
+@pytest.mark.parametrize("curve", EXCESS)
+def test_strength_that_changes_within_a_swing_is_followed_sample_by_sample(curve: str) -> None:
+    scene = SimulatorScene(signals(joint(X)), emulate(signals(joint(X)), None))
+    gain = 0.8 * slow(0.4, EXCESS[curve])
+    change = slid(1.0 + gain) - friction(X)
+    assert np.std(scene.stronger_at(gain) - change) < 0.1 * np.std(change)
+
+
+@pytest.mark.parametrize("pace", [0.1, 0.5])
+@pytest.mark.parametrize("curve", EXCESS)
+def test_elements_that_slide_later_the_slower_they_move_have_stribeck_friction(curve: str, pace: float) -> None:
+    found = diagnosed(spring(X) + slid(1.0 + 0.7 * slow(pace, EXCESS[curve])))
+    assert found.verdict == ["stribeck_friction"]
+    assert found.effects[0].law.endswith("inside the joint")
+    assert found.closed_in_all > 0.99
+
+
+def test_elements_that_slide_later_the_more_they_are_loaded_have_friction_by_load() -> None:
+    load = np.abs(spring(X))
+    found = diagnosed(spring(X) + slid(1.0 + 0.25 * load / load.max()))
+    assert found.verdict == ["load_dependent_friction"]
+    assert found.effects[0].law == "inside the joint"
+    assert found.closed_in_all > 0.99
 
 
 WORN, WARM = TRAVEL / TRAVEL[-1], 1.0 - np.exp(-TIME / 9.0)

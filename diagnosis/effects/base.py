@@ -42,6 +42,7 @@ __all__ = [
     "Scene",
     "at_either_end",
     "between_ends",
+    "by_strength",
     "direction_laws",
     "geometric",
     "inside",
@@ -107,6 +108,10 @@ class Scene(Protocol):
 
     def strength_about(self, gain: Floats) -> Floats:
         """The same over a ``gain`` (n,) that changes slowly, N·m, shape (n,)."""
+        ...
+
+    def stronger_at(self, gain: Floats) -> Floats:
+        """Change for a relative ``gain`` (n,) of that strength that changes within a swing, N·m, shape (n,)."""
         ...
 
     def torque_change(self, x: Floats) -> Floats:
@@ -338,6 +343,10 @@ BARELY = 0.05
 """What is left at least of a stiffness that is lost."""
 
 
+A_LITTLE = 0.05
+"""Gain of friction's strength that counts as small."""
+
+
 def times(laws: Columns, *parts: Callable[[Scene], Floats]) -> Columns:
     """``laws`` (n, k) times each of the parts (n,), side by side, shape (n, k × parts)."""
     return lambda scene, shape: np.hstack([laws(scene, shape) * part(scene)[:, None] for part in parts])
@@ -427,6 +436,17 @@ def _about_second(
         return relative * np.column_stack([first(scene), second(scene, relative[:, 0] * coefficients[1])])
 
     return columns
+
+
+def by_strength(share: Columns) -> tuple[Columns, ColumnsAbout]:
+    """Columns of friction inside the joint whose strength has a relative gain of the coefficient times ``share`` (n, 1), which may
+    change within a swing: where they are linear, and where not."""
+
+    def about(scene: Scene, shape: tuple[float, ...], coefficients: Floats) -> Floats:
+        gain = max(float(coefficients[0]), A_LITTLE)
+        return (scene.stronger_at(gain * share(scene, shape)[:, 0]) / gain)[:, None]
+
+    return lambda scene, shape: about(scene, shape, np.zeros(1)), about
 
 
 def at_either_end(scene: Scene) -> tuple[Floats, Floats]:

@@ -25,6 +25,7 @@ from .base import (
     Parameter,
     Part,
     Scene,
+    by_strength,
     direction_laws,
     odd_spring,
     overdone_friction,
@@ -136,19 +137,9 @@ def _pressed(
     return columns
 
 
-def _loaded(scene: Scene) -> Floats:
-    """The load over the largest torque, shape (n,)."""
-    return np.abs(scene.spring) / scene.signals.strongest
-
-
-def _inside(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    """The elements inside the joint slide later the more it is loaded."""
-    return (_loaded(scene) * scene.strength)[:, None]
-
-
-def _inside_about(scene: Scene, shape: tuple[float, ...], coefficients: Floats) -> Floats:
-    load = _loaded(scene)
-    return (load * scene.strength_about(coefficients[0] * load))[:, None]
+def _loaded(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    """The load over the largest torque, shape (n, 1): the elements inside the joint slide later the more it is loaded."""
+    return (np.abs(scene.spring) / scene.signals.strongest)[:, None]
 
 
 class LoadDependentFriction(Effect):
@@ -288,6 +279,7 @@ class LoadDependentFriction(Effect):
                          lambda shape, found: (shape[0], float(found[1] / found[0]) if found.size > 1 and found[0] > 0.0 else 0.7),
                          equation=f"y += friction_coefficient * {most} * {word}(x, {law.parameter}, {level})")
                 )  # fmt: skip
-        inside = Form("inside the joint", ("strength_gain",), _inside, (0.0,), (np.inf,), about=_inside_about,
+        columns, about = by_strength(_loaded)
+        inside = Form("inside the joint", ("strength_gain",), columns, (0.0,), (np.inf,), about=about,
                       equation=f"y += stronger(strength_gain * abs(y_spring) / {most})")  # fmt: skip
         return [*made, *less, inside]

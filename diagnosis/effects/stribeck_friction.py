@@ -13,12 +13,14 @@ from .base import (
     LOW,
     NOT,
     PRESLIDING,
+    Columns,
     DirectionLaw,
     Effect,
     Floats,
     Form,
     Parameter,
     Scene,
+    by_strength,
     direction_laws,
 )
 from .images import is_constant_friction
@@ -46,10 +48,16 @@ def _own_friction(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return (scene.friction * _gaussian(scene.signals.speed / shape[0]))[:, None]
 
 
+def _excess(curve: Callable[[Floats], Floats]) -> Columns:
+    """What slides inside the joint does so the later the slower it moves, and is as stiff as ever."""
+    return lambda scene, shape: curve(np.abs(scene.signals.speed) / shape[0])[:, None]
+
+
 HARDLY = 0.08
 """Share of the friction that the excess makes, below which there is hardly any."""
 FALLS = 0.03
 """Share by which friction must be larger at low speed than at high speed to fall at all."""
+BLUNT = "p = 1/2", "exp(-sqrt(abs(v) / stribeck_speed))", _blunt
 CURVES = (
     ("p = 2", "exp(-(v / stribeck_speed)**2)", _gaussian),
     ("p = 1", "exp(-abs(v) / stribeck_speed)", _exponential),
@@ -87,7 +95,7 @@ class StribeckFriction(Effect):
     title: ClassVar[str] = "Stribeck friction"
     summary: ClassVar[str] = "dry friction that falls with speed from breakaway to sliding (stick-slip, hunting)"
     equation: ClassVar[str] = (
-        "y += [F + S exp(−(|v| / w)^p)] s, p = 1/2, 1 or 2; [F + S / (1 + (v / w)²)] s; R exp(−(v / w)²) on what has memory; or LuGre: ℓ df/dx = ±1 − f / (1 + S/F exp(−(v / w)²))"
+        "y += [F + S exp(−(|v| / w)^p)] s, p = 1/2, 1 or 2; [F + S / (1 + (v / w)²)] s; R exp(−(v / w)²) on what has memory, or on the level at which it slides; or LuGre: ℓ df/dx = ±1 − f / (1 + S/F exp(−(v / w)²))"
     )
     coordinate: ClassVar[str] = "speed"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -97,7 +105,9 @@ class StribeckFriction(Effect):
             "stribeck_speed", "rad/s", 0.0, np.inf, "speed at which the excess has fallen to 1/e (Hess-Soom: to half)"
         ),
         Parameter("excess_ratio", "1", 0.0, np.inf, "S over F (LuGre)"),
-        Parameter("rise", "1", 0.0, np.inf, "R, relative gain of the joint's own friction at standstill"),
+        Parameter(
+            "rise", "1", 0.0, np.inf, "R, relative gain of the joint's own friction, or of its strength, at standstill"
+        ),
         *PRESLIDING,
     )
     confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "viscous_friction")
@@ -141,12 +151,19 @@ class StribeckFriction(Effect):
             equation=f"y += friction * dahl(x, presliding, 1 + excess_ratio * {CURVES[0][1]})",
         )  # fmt: skip
         blunt = [
-            Form(f"p = 1/2, {law.name}", ("friction", "breakaway_excess"), _columns(law, _blunt), (0.0, 0.0), (np.inf, np.inf),
+            Form(f"{BLUNT[0]}, {law.name}", ("friction", "breakaway_excess"), _columns(law, BLUNT[2]), (0.0, 0.0), (np.inf, np.inf),
                  ("stribeck_speed", law.parameter), (), [(0.005 * fast, 2.0 * fast), law.limits], (f"p = 1, {law.name}",),
-                 borders=[LOW, NOT], equation=_equation("exp(-sqrt(abs(v) / stribeck_speed))", law))
+                 borders=[LOW, NOT], equation=_equation(BLUNT[1], law))
             for law in laws
         ]  # fmt: skip
         own = Form("of the joint's own friction", ("rise",), _own_friction, (0.0,), (np.inf,), ("stribeck_speed",),
                    [(w,) for w in speeds], [(0.02 * fast, 2.0 * fast)],
                    equation=f"y += rise * {CURVES[0][1]} * y_memory")  # fmt: skip
-        return [*made, *blunt, lugre, own]
+        inside = []
+        for told, equation, curve in (*CURVES, BLUNT):
+            columns, about = by_strength(_excess(curve))
+            inside.append(
+                Form(f"{told}, inside the joint", ("rise",), columns, (0.0,), (np.inf,), ("stribeck_speed",), own.grid, own.limits,
+                     about=about, equation=f"y += stronger(rise * {equation})")
+            )  # fmt: skip
+        return [*made, *blunt, lugre, own, *inside]

@@ -30,8 +30,10 @@ from .generalised import (
     motion_of,
     predict_generalised,
     relative_error,
+    slid_at,
     spring_of,
     strengthened,
+    without_slid,
 )
 from .kinds import KINDS
 
@@ -177,31 +179,45 @@ class SimulatorScene:
     @property
     def strength(self) -> Floats:
         """Change of that part for a relative change of its strength by one at the same stiffness, N·m, shape (n,)."""
-        return self._strength_at(0)
+        return self._strength_at(0, dict)
+
+    def stronger_at(self, gain: Floats) -> Floats:
+        """Change of the output for a relative ``gain`` (n,) of that strength that changes within a swing, N·m, shape (n,).
+
+        What is no stop and no sharp slider is where it would be with that strength throughout.
+        """
+        motion = motion_of(self.signals)
+        held = self._once("slid", lambda: slid_at(self.emulator.split, motion, np.zeros_like(gain)))
+        return slid_at(self.emulator.split, motion, gain) - held + gain * self._about(gain, without_slid)
 
     def strength_about(self, gain: Floats) -> Floats:
         """The same over a ``gain`` (n,) of that strength that is not small, N·m, shape (n,).
 
         Friction turns round often while its strength changes, so that it is where it would be with that strength throughout.
         """
+        return self._about(gain, dict)
+
+    def _about(self, gain: Floats, part: Callable[[Mapping[str, Any]], Mapping[str, Any]]) -> Floats:
+        """The same of a ``part`` of the emulator."""
         at = np.clip(np.log1p(np.maximum(gain, GAINS[0])) / GAIN_STEP, None, np.log1p(GAINS[1]) / GAIN_STEP)
         below = np.floor(at).astype(np.intp)
         first, last = int(below.min()), int(below.max()) + 1
-        nodes = np.array([self._strength_at(k) for k in range(first, last + 1)])
+        nodes = np.array([self._strength_at(k, part) for k in range(first, last + 1)])
         samples = np.arange(below.size)
         share = at - below
         return (1.0 - share) * nodes[below - first, samples] + share * nodes[below - first + 1, samples]
 
-    def _strength_at(self, k: int) -> Floats:
+    def _strength_at(self, k: int, part: Callable[[Mapping[str, Any]], Mapping[str, Any]]) -> Floats:
         """The same over a gain of ``k`` steps."""
         gain = float(np.expm1(k * GAIN_STEP))
 
-        def change() -> Floats:
-            if k:
-                return self.stronger(gain) / gain
-            return (self.stronger(SMALL) - self.stronger(-SMALL)) / (2.0 * SMALL)
+        def stronger(gain: float) -> Floats:
+            return strengthened(part(self.emulator.split), motion_of(self.signals), gain, self.signals.timed)
 
-        return self._once(f"strength, {k}", change)
+        def change() -> Floats:
+            return stronger(gain) / gain if k else (stronger(SMALL) - stronger(-SMALL)) / (2.0 * SMALL)
+
+        return self._once(f"strength of {part.__name__}, {k}", change)
 
     def stronger(self, gain: float) -> Floats:
         """Change of the output for a relative ``gain`` of that strength, however large, N·m, shape (n,)."""

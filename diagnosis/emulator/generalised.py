@@ -14,13 +14,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..operators.levels import slid
 from ..operators.memory import bristle, plays, weighed
 from ..recording.noise import rms
 from ..recording.signals import Signals, differentiate
 from .elements import drag_among, kinks_moved, strengthened_among, tangents, torque_of, uncancelled
 from .growth import PLACED, RATES, STOPS, TABLED, Growth
 from .kind import ELASTIC, MEMORY
-from .kinds import KERNELS, KINDS, KINKS
+from .kinds import KERNELS, KINDS, KINKS, SHARP
 from .motion import DIFFERENCES, Extent, Motion
 from .placing import Choices
 from .selection import CLEARLY, places_of, solve, spread
@@ -540,6 +541,46 @@ def strengthened(parameters: Mapping[str, Any], motion: Motion, gain: float, tim
         "further": strengthened_among(parameters.get("further", {}), gain, fast),
     }
     return predict_generalised(stronger, motion) - predict_generalised(parameters, motion)
+
+
+def slid_at(parameters: Mapping[str, Any], motion: Motion, gain: Floats) -> Floats:
+    """What the built-in emulator's stops and sharp sliders hold where they have a relative ``gain`` (n,) of their strength at the
+    same stiffness, which may change on the way, N·m, shape (n,): what they held before they had it they still hold."""
+    motion = _as_seen(parameters, motion)
+    thresholds = np.asarray(parameters["thresholds"])
+    weights, placed = np.asarray(parameters["weights"])[: thresholds.size], np.zeros((PLACES, thresholds.size))
+    placed[:, _placed(thresholds.size)] = np.reshape(parameters["placed"], (PLACES, -1))
+    by_place = np.column_stack(_weights(_place(motion.x, parameters["reach"])))
+    elements = [
+        (t, w + by_place @ p if np.any(p) else w) for t, w, p in zip(thresholds, weights, placed.T, strict=True)
+    ]
+    if SHARP in parameters.get("further", {}):
+        sharp = parameters["further"][SHARP]
+        elements += [(t, w) for (t,), w in zip(sharp["sizes"], sharp["weights"], strict=True)]
+    held = np.zeros(motion.x.size)
+    for threshold, weight in elements:
+        if np.any(weight):
+            held += weight * threshold * _sliding(motion, 1.0 + gain, threshold)
+    return held
+
+
+def _sliding(motion: Motion, level: Floats, threshold: float) -> Floats:
+    """A stop over its ``threshold`` that gives way at ``level`` (n,), shape (n,), from the virgin state, which is at zero."""
+    made = np.empty(level.size)
+    for run in motion.runs:
+        x, at = np.concatenate([[0.0], motion.path[run]]), np.concatenate([level[run][:1], level[run]])
+        made[run] = slid(x, at, threshold)[1:]
+    return made
+
+
+def without_slid(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """The same emulator without what :func:`slid_at` is."""
+    count = np.asarray(parameters["thresholds"]).size
+    weights = np.array(parameters["weights"], dtype=np.float64)
+    weights[:count] = 0.0
+    further = {name: elements for name, elements in parameters.get("further", {}).items() if name != SHARP}
+    nowhere = np.zeros_like(np.asarray(parameters["placed"], dtype=np.float64))
+    return dict(parameters) | {"weights": weights, "placed": nowhere, "further": further}
 
 
 def _stronger(motion: Motion, thresholds: Floats, lengths: Floats) -> Floats:

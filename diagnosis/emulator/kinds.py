@@ -62,10 +62,11 @@ from .single_elements import (
 )
 from .tables import looked_up, looked_up_together, nodes, rubbing, rubbing_together
 
-__all__ = ["FRICTION_TABLE", "KERNELS", "KINDS", "KINKS", "SPRING_TABLE"]
+__all__ = ["FRICTION_TABLE", "KERNELS", "KINDS", "KINKS", "SHARP", "SPRING_TABLE"]
 
 Floats = NDArray[np.float64]
-KINKS, SLIP, KERNELS = "kinks", "a few slip elements", "Krasnosel'skii-Pokrovskii kernels"
+KINKS, SHARP, SLIP = "kinks", "a few sharp sliders", "a few slip elements"
+KERNELS = "Krasnosel'skii-Pokrovskii kernels"
 SPRING_TABLE, FRICTION_TABLE = "a spring from a table", "friction from a table"
 PLACES = 49
 """Places of a kink that are tried."""
@@ -207,7 +208,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     "rubber": _rubber(rubber),
     "rubber along a spline": _rubber(rubber_splined),
     # Sliders at sharp deflections between those that are there in any case.
-    "a few sharp sliders": Kind(
+    SHARP: Kind(
         MEMORY, True,
         lambda extent: extent.reach * np.geomspace(0.02, 1.0, 12)[:, None],
         stops,
