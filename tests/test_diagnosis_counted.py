@@ -106,6 +106,22 @@ def test_the_rounding_of_numbers_is_no_noise_however_much_a_simulator_makes_of_i
     assert (quiet is not signals) == taken_out
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_what_noise_alone_might_look_like_is_not_taken_out(seed: int) -> None:
+    """Rubber that was turned by the noise of the deflection forgets that but slowly: hardly anything of it is rough."""
+    time, x = motion(0.005)
+    rng = np.random.default_rng(seed)
+    seen = x + 1e-3 * rng.standard_normal(x.size)
+    turned = NOISE * np.exp(-np.maximum(time - 15.0, 0.0) / 2.0) * (time >= 15.0)
+
+    def rubber(of: Floats) -> Floats:
+        return 45.0 * x + turned * (of is seen)
+
+    signals = Signals(time, seen, 45.0 * x + NOISE * rng.standard_normal(x.size), 45.0 * x, [slice(0, x.size)], {})
+    emulator = replace(emulate(signals, None), predict=rubber, parameters={"model": "another"})
+    assert without_jitter(signals, emulator)[0] is signals
+
+
 def test_levels_that_are_gone_to_are_no_counts() -> None:
     """A staircase of thirty steps is the motion itself."""
     time = np.arange(3000) * 0.01

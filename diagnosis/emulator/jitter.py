@@ -20,10 +20,14 @@ __all__ = ["without_jitter"]
 
 FED = 0.5
 """Share of the roughness, as it is emulated, that the gap must have of a simulator which was fed with the noise."""
+SURE = 3.0
+"""Standard deviations of what the gap's own noise makes of that share, which it must be larger than."""
 SEEN = 2e-5
 """Size of the noise over the deflection's reach below which it is the rounding of numbers, of which smoothing makes turns in holds."""
 NOTICED = 0.1
 """Size of what the noise makes, over the noise of the gap, from which it is taken out."""
+NORMAL = 0.6745
+"""Median size of normal noise over its standard deviation."""
 STAYS = 0.3
 """Share of it that stays: counts are correlated, the more so the slower the joint, and smoothing bends what it smooths. On eight
 joints with counted deflections it was 0.2 to 0.35."""
@@ -43,7 +47,9 @@ def without_jitter(signals: Signals, emulator: Emulator) -> tuple[Signals, Emula
     emulated, shown = (
         np.concatenate([np.diff(series[run], 4) for run in signals.runs]) for series in (made, -signals.gap)
     )
-    if float(emulated @ shown) < FED * float(emulated @ emulated):
+    # What differs only after a few turns is rough at so few samples that noise alone may look like any share of it.
+    spread = float(np.median(np.abs(shown))) / NORMAL * float(np.sqrt(emulated @ emulated))
+    if float(emulated @ shown) < max(FED * float(emulated @ emulated), SURE * spread):
         return signals, emulator
     quiet = replace(quiet, y_sim=signals.y_sim - made, jitter=STAYS * rms(made[signals.judged]))
     return quiet, replace(emulator, predict=predict)
