@@ -32,6 +32,7 @@ MORE = 1.2
 GROWN = 0.9
 """Mean of the largest deflection so far over the last, from which on it is as large as that from the start."""
 SOFTENINGS = "spring_softening", "friction_softening"
+"""Names of the coefficients where both parts wear, not alike."""
 LOSSY = 0.3
 """Losses over all the work of the part with memory, above which they are no trace that an emulator leaves of a spring."""
 

@@ -211,17 +211,20 @@ class SimulatorScene:
         """The same over a gain of ``k`` steps."""
         gain = float(np.expm1(k * GAIN_STEP))
 
-        def stronger(gain: float) -> Floats:
-            return strengthened(part(self.emulator.split), motion_of(self.signals), gain, self.signals.timed)
-
         def change() -> Floats:
-            return stronger(gain) / gain if k else (stronger(SMALL) - stronger(-SMALL)) / (2.0 * SMALL)
+            if k:
+                return self._stronger(gain, part) / gain
+            return (self._stronger(SMALL, part) - self._stronger(-SMALL, part)) / (2.0 * SMALL)
 
         return self._once(f"strength of {part.__name__}, {k}", change)
 
     def stronger(self, gain: float) -> Floats:
         """Change of the output for a relative ``gain`` of that strength, however large, N·m, shape (n,)."""
-        return strengthened(self.emulator.split, motion_of(self.signals), gain, self.signals.timed)
+        return self._stronger(gain, dict)
+
+    def _stronger(self, gain: float, part: Callable[[Mapping[str, Any]], Mapping[str, Any]]) -> Floats:
+        """The same of a ``part`` of the emulator."""
+        return strengthened(part(self.emulator.split), motion_of(self.signals), gain, self.signals.timed)
 
     def _once(self, name: str, make: Callable[[], Any]) -> Any:
         if name not in self._lasting:

@@ -471,6 +471,14 @@ def _placed(elements: int) -> slice:
     return slice(every, None, every)
 
 
+def _by_place(parameters: Mapping[str, Any]) -> Floats:
+    """Weights of all stops for each way in which their torque may depend on where they are, shape (``PLACES``, stops)."""
+    count = np.asarray(parameters["thresholds"]).size
+    placed = np.zeros((PLACES, count))
+    placed[:, _placed(count)] = np.reshape(parameters["placed"], (PLACES, -1))
+    return placed
+
+
 def _weights(u: Floats) -> tuple[Floats, ...]:
     """How an element's torque may depend on its place, ``PLACES`` of them."""
     return u, u * u, np.abs(u), u**3
@@ -487,8 +495,7 @@ def predict_generalised(parameters: Mapping[str, Any], motion: Motion, dragging:
     path, weights = motion.path, np.asarray(parameters["weights"])
     u = _place(motion.x, parameters["reach"])
     thresholds, lengths = np.asarray(parameters["thresholds"]), np.asarray(parameters["lengths"])
-    placed = np.zeros((PLACES, thresholds.size))
-    placed[:, _placed(thresholds.size)] = np.reshape(parameters["placed"], (PLACES, -1))
+    placed = _by_place(parameters)
     stops, signs = weights[: thresholds.size], weights[thresholds.size :]
     y = np.polynomial.legendre.legval(u, parameters["elastic"])
     # Summed as they come: the columns that an identification needs are never made, and most have no weight.
@@ -548,8 +555,7 @@ def slid_at(parameters: Mapping[str, Any], motion: Motion, gain: Floats) -> Floa
     same stiffness, which may change on the way, N·m, shape (n,): what they held before they had it they still hold."""
     motion = _as_seen(parameters, motion)
     thresholds = np.asarray(parameters["thresholds"])
-    weights, placed = np.asarray(parameters["weights"])[: thresholds.size], np.zeros((PLACES, thresholds.size))
-    placed[:, _placed(thresholds.size)] = np.reshape(parameters["placed"], (PLACES, -1))
+    weights, placed = np.asarray(parameters["weights"])[: thresholds.size], _by_place(parameters)
     by_place = np.column_stack(_weights(_place(motion.x, parameters["reach"])))
     elements = [
         (t, w + by_place @ p if np.any(p) else w) for t, w, p in zip(thresholds, weights, placed.T, strict=True)
