@@ -11,6 +11,7 @@ import numpy as np
 from ..hypotheses.adequacy import ALMOST_ALL, INEXACT_NEAR, is_adequate, left_by
 from ..hypotheses.evidence import Evidence, Hypothesis, is_refitted
 from ..hypotheses.heldout import held_out
+from ..hypotheses.search import NOTHING
 
 __all__ = ["beside_exact", "fewest", "hardly_worse", "in_place_of", "simplest", "special_cases"]
 
@@ -30,6 +31,8 @@ MANY = 3
 """Of so many effects beside an exact simulator, one might be what stands in for a refit."""
 PATCHES = 0.3
 """Evidence a sample that further effects may bring although there is nothing left for them to explain."""
+ONE_MORE = 0.1
+"""Evidence a sample that one effect may bring of several that leave nothing beside an exact simulator, and not be one of them."""
 FURTHER = 0.05
 """The same beside an exact simulator, where nothing but a law that is not quite exact gives them anything to explain."""
 
@@ -75,6 +78,11 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
             and is_adequate(evidence, exact, energy)
         )
 
+    @functools.cache
+    def leaves_nothing() -> bool:
+        """An inexact law that another effect patches leaves something, or it needs a simulator that is off."""
+        return not evidence.fitted and not is_refitted(top.scale) and left_by(evidence, top) < NOTHING
+
     changed, explained = True, is_adequate(evidence, top, energy)
     while changed:
         changed = False
@@ -91,6 +99,9 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
                 enough = indifferent or (
                     little and (not explained or is_adequate(evidence, by_names[smaller.names], energy))
                 )
+                lost = best.score - smaller.score
+                if lost > ONE_MORE * evidence.effective and leaves_nothing():
+                    continue
                 if enough and not does_without_refit(best.names, smaller.names):
                     options.append((loss, smaller))
             for special in next(term.effect for term in best.terms if term.effect.id == name).contains:
