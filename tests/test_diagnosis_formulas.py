@@ -25,8 +25,6 @@ IMPLICIT = {
     "gap at zero torque", "gap at zero torque, soft flanks", "gap at zero torque, free flight",
 }  # fmt: skip
 """Laws told in prose: what they need must be found."""
-INSIDE = "inside the joint"
-"""End of the names of laws by which friction's strength changes within a swing."""
 SLIDERS = (5.0, 0.15), (1.0, 0.3)
 """Stiffness and level of the joint's friction."""
 PERIODS = 2.5
@@ -61,11 +59,8 @@ def followed(x: Floats, step: Callable[[float, int], float], start: float = 0.0)
     return out
 
 
-def words(within_a_swing: bool) -> dict[str, Any]:
-    """The words of :mod:`hystbench.diagnosis.notation`, written from what they are said to mean.
-
-    Laws know friction's strength sample by sample where it changes ``within_a_swing``, and where it does so slowly as if it had not.
-    """
+def words() -> dict[str, Any]:
+    """The words of :mod:`hystbench.diagnosis.notation`, written from what they are said to mean."""
     s = scene().signals
     x, time, fine = s.smooth_x, s.elapsed, 20
 
@@ -131,13 +126,7 @@ def words(within_a_swing: bool) -> dict[str, Any]:
     y, spring, memory = s.y_sim, scene().spring, scene().friction
 
     def stronger(g: Floats | float) -> Floats:
-        gains = np.broadcast_to(g, x.shape)
-        if not within_a_swing and np.ptp(gains) > 0.0:
-            # As with each gain throughout: friction turns round often enough.
-            some = np.linspace(gains.min(), gains.max(), 8)
-            made = np.array([stronger(float(gain)) for gain in some])
-            return np.array([np.interp(gain, some, made[:, k]) for k, gain in enumerate(gains)])
-        return sum(f * (slip(s.x, f / k, 1.0 + gains) - slip(s.x, f / k)) for k, f in SLIDERS)
+        return sum(f * (slip(s.x, f / k, 1.0 + g) - slip(s.x, f / k)) for k, f in SLIDERS)
 
     def stiffer(g: Floats) -> Floats:
         return g * y + (1.0 + g) * stronger(-g / (1.0 + g))
@@ -177,7 +166,7 @@ def sizes(form: Form) -> Floats:
 
 def carried_out(form: Form, values: dict[str, Any]) -> Floats:
     """What the equation adds to the simulator's output."""
-    at, known = scene(), {**words(form.name.endswith(INSIDE)), **values}
+    at, known = scene(), {**words(), **values}
     head, _, text = form.equation.partition(" ")
     operator, _, text = text.partition(" ")
     if text.startswith("z,  z = "):

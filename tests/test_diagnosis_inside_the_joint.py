@@ -33,7 +33,9 @@ from hystbench import models
 from hystbench.diagnosis.delivery import deliver
 from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
-from hystbench.diagnosis.emulator.generalised import Generalised, spring_of
+from hystbench.diagnosis.emulator.generalised import Generalised, motion_of, spring_of
+from hystbench.diagnosis.emulator.kinds import KINDS
+from hystbench.diagnosis.emulator.motion import Extent
 from hystbench.diagnosis.operators.memory import plays
 from hystbench.diagnosis.recording.signals import Signals
 
@@ -53,7 +55,7 @@ def test_strength_is_the_change_with_the_level_at_which_friction_slides(gain: fl
     scene = SimulatorScene(signals(joint(X)), emulate(signals(joint(X)), None))
     change = sliders(X, [(stiffness, (1.0 + gain) * limit) for stiffness, limit in ELEMENTS]) - friction(X)
     assert np.std(scene.stronger(gain) - change) < 0.15 * np.std(change)
-    assert np.std(gain * scene.strength_about(np.full(X.size, gain)) - change) < 0.15 * np.std(change)
+    assert np.std(scene.stronger_at(np.full(X.size, gain)) - change) < 0.15 * np.std(change)
 
 
 def slid(more: Floats) -> Floats:
@@ -78,6 +80,18 @@ def test_what_changes_much_inside_the_joint_is_followed_all_the_way(part: str, d
     effect = next(effect for effect in found.effects if effect.name == "thermal_drift")
     assert effect.law == f"stiffness, linear, of {part}"
     assert effect.parameters["stiffness_drift"] * TIME[-1] == pytest.approx(drift, rel=0.05)
+
+
+@pytest.mark.parametrize("name", [name for name, kind in KINDS.items() if kind.yielding])
+def test_an_element_at_one_level_throughout_has_that_strength_at_the_same_stiffness(name: str) -> None:
+    kind, motion = KINDS[name], motion_of(signals(joint(X)))
+    sizes = kind.sizes(Extent(float(np.max(np.abs(X))), float(np.std(SPEED)), STEP, float(TIME[-1])))[::7]
+    assert kind.yielding is not None
+    for level in (1.0, 1.4, 0.6):
+        stronger = sizes * np.where(np.arange(kind.width) == 0, level, 1.0)
+        wanted = kind.columns(motion, stronger)
+        held = kind.yielding(motion, sizes, np.full(X.size, level))
+        np.testing.assert_allclose(held, wanted, atol=1e-4 * float(np.max(np.abs(wanted))))
 
 
 def slow(pace: float, curve: Callable[[Floats], Floats]) -> Floats:
@@ -105,6 +119,34 @@ def test_elements_that_slide_later_the_slower_they_move_have_stribeck_friction(c
     assert found.verdict == ["stribeck_friction"]
     assert found.effects[0].law.endswith("inside the joint")
     assert found.closed_in_all > 0.99
+
+
+def _built_up(more: Floats, share_of_the_way: Callable[[float], float]) -> Floats:
+    """Stretch of an element of unit stiffness that saturates at 0.12 rad times ``more`` (n,); how much of a way bends it goes with its
+    stretch over that in the direction of the motion."""
+    z, out, parts = 0.0, np.zeros(X.size), 20
+    for k, step in enumerate(np.diff(X)):
+        for _ in range(parts):
+            z += step / parts * share_of_the_way(np.sign(step) * z / (0.12 * more[k + 1]))
+        out[k + 1] = z
+    return out
+
+
+SMOOTH: dict[str, Callable[[float], float]] = {
+    "Bouc-Wen": lambda into: 1.0 - (0.6 * np.sign(into) + 0.4) * abs(into) ** 1.5,
+    "Dahl": lambda into: float(np.sign(1.0 - into) * abs(1.0 - into) ** 0.7),
+}
+
+
+@pytest.mark.parametrize("element", SMOOTH)
+def test_elements_that_yield_smoothly_and_later_the_slower_they_move_have_stribeck_friction(element: str) -> None:
+    usual, later = (
+        6.0 * _built_up(1.0 + rise * slow(0.3, EXCESS["exponential"]), SMOOTH[element]) for rise in (0.0, 0.4)
+    )
+    found = diagnose(signals(spring(X) + later, y_sim=spring(X) + usual))
+    assert found.verdict == ["stribeck_friction"]
+    assert found.effects[0].law.endswith("inside the joint")
+    assert found.closed_in_all > 0.98
 
 
 def test_elements_that_slide_later_the_more_they_are_loaded_have_friction_by_load() -> None:

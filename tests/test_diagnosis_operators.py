@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from simulators import INTERVAL, motion
 
-from hystbench.diagnosis.operators.levels import attracted
+from hystbench.diagnosis.operators.levels import attracted, yielding
 from hystbench.diagnosis.operators.masses import held_by_load, sliding
 from hystbench.diagnosis.operators.memory import held_inside, hyperbolic, orifice, plays
 from hystbench.diagnosis.operators.smooth_loops import pinched, smooth
@@ -132,6 +132,33 @@ def test_smooth_and_pinched_loops_are_solutions_of_their_equation(
         wanted.append(float(z[0]))
     found = pinched(x, length, exponent, share, *pinch) if pinch else smooth(x, length, exponent, share)
     assert found == pytest.approx(wanted, abs=6e-5 * length)
+
+
+@pytest.mark.parametrize("lowest", [0.3, 1.0])
+@pytest.mark.parametrize("exponent", [0.5, 1.0, 2.0, "smooth"])
+def test_elements_at_a_level_that_changes_hold_on_to_what_they_held(exponent: float | str, lowest: float) -> None:
+    length, share, smoothly = 0.15, 0.6, 2.0
+    turns = [0.0, 0.5, -0.05, 0.02, -0.6, -0.55, -0.7, 0.3]
+    x = np.concatenate([[0.0], *(np.linspace(a, b, 300)[1:] for a, b in itertools.pairwise(turns))])
+    level = lowest + 1.5 * np.sin(np.linspace(0.0, 9.0, x.size)) ** 2
+
+    def share_of_the_way(z: float, way: float, most: float) -> float:
+        into = way * z / (length * most)
+        if exponent == "smooth":
+            return 1.0 - (share * np.sign(into) + 1.0 - share) * abs(into) ** smoothly
+        left = 1.0 - into
+        return float(np.sign(left) * abs(left) ** float(exponent))
+
+    z, wanted, parts = 0.0, [0.0], 50
+    for step, most in zip(np.diff(x), level[1:], strict=True):
+        for _ in range(parts):
+            z += step / parts * share_of_the_way(z, np.sign(step), most)
+        wanted.append(z)
+    if exponent == "smooth":
+        found = smooth(x, length, smoothly, share, level)
+    else:
+        found = length * yielding(x, level, length, float(exponent))
+    assert found == pytest.approx(wanted, abs=0.005 * length)
 
 
 def test_spring_that_is_held_inside_a_drive_is_the_solution_of_its_equations() -> None:

@@ -106,12 +106,8 @@ class Scene(Protocol):
         """Change for a relative ``gain`` of that strength, however large, N·m, shape (n,)."""
         ...
 
-    def strength_about(self, gain: Floats) -> Floats:
-        """The same over a ``gain`` (n,) that changes slowly, N·m, shape (n,)."""
-        ...
-
     def stronger_at(self, gain: Floats) -> Floats:
-        """Change for a relative ``gain`` (n,) of that strength that changes within a swing, N·m, shape (n,)."""
+        """The same for a ``gain`` (n,) that may change on the way, N·m, shape (n,)."""
         ...
 
     def torque_change(self, x: Floats) -> Floats:
@@ -314,13 +310,13 @@ def direction_laws(scene: Scene) -> list[DirectionLaw]:
 class Part(NamedTuple):
     """A part of the joint's torque: how equations call it, and what it is, N·m, shape (n,).
 
-    Of what has memory that is no more than how the torque changes with it; then ``about(scene, gain)`` is the change over a
-    relative gain, (n,), that is not small, and equations ask for the change that a gain makes.
+    Of what has memory that is no more than how the torque changes with it; then ``changed(scene, gain)`` is the change for a
+    relative gain, (n,), that is not small, and equations ask for that.
     """
 
     symbol: str
     of: Callable[[Scene], Floats]
-    about: Callable[[Scene, Floats], Floats] | None = None
+    changed: Callable[[Scene, Floats], Floats] | None = None
 
 
 PARTS: Mapping[str, Part] = {
@@ -328,11 +324,10 @@ PARTS: Mapping[str, Part] = {
     "the friction": Part("y_memory", lambda scene: scene.friction),
     # What is stiffer and no stronger is in all larger, and then weaker.
     "the stiffness": Part(
-        "stiffer", lambda scene: scene.torque - scene.strength,
-        lambda scene, gain: scene.torque - scene.strength_about(-gain / np.maximum(1.0 + gain, BARELY)),
+        "stiffer", lambda scene: scene.torque - scene.strength, lambda scene, gain: _stiffened(scene, gain)
     ),
     "the friction's strength": Part(
-        "stronger", lambda scene: scene.strength, lambda scene, gain: scene.strength_about(gain)
+        "stronger", lambda scene: scene.strength, lambda scene, gain: scene.stronger_at(gain)
     ),
 }  # fmt: skip
 """What may change inside the joint when not all of its torque does, by name: the elastic curve, all that has memory, the
@@ -360,11 +355,11 @@ def inside(form: Form, laws: Columns, parts: Collection[str] = PARTS) -> list[Fo
     made = []
     for name, part in ((name, PARTS[name]) for name in parts):
         of = replace(form, name=f"{form.name}, of {name}", columns=times(laws, part.of), grid=form.grid[::2])
-        if part.about is None:
+        if part.changed is None:
             made.append(replace(of, equation=form.equation.removesuffix("y") + part.symbol))
         else:
             gain = form.equation.removesuffix(" * y").replace("y += ", "").replace("y -= ", "-")
-            made.append(replace(of, about=_about(laws, part.about), equation=f"y += {part.symbol}({gain})"))
+            made.append(replace(of, about=_about(laws, part), equation=f"y += {part.symbol}({gain})"))
     return [*made, _of_a_spring_found_anew(form, laws, made)] if len(form.coefficients) == 1 else made
 
 
@@ -376,7 +371,7 @@ def unlike(form: Form, laws: Columns, changes: tuple[str, str], friction: str) -
     """
     spring, second = PARTS["the spring"], PARTS[friction]
     sign, law = form.equation.split()[1].removesuffix("="), law_of(form)
-    if second.about is None:
+    if second.changed is None:
         equation = f"y {sign}= {law} * ({changes[0]} * {spring.symbol} + {changes[1]} * {second.symbol})"
     else:
         less = sign.removeprefix("+")
@@ -384,7 +379,7 @@ def unlike(form: Form, laws: Columns, changes: tuple[str, str], friction: str) -
     return replace(
         form, name=f"{form.name}, of spring and {friction.removeprefix('the ')}", coefficients=changes, equation=equation,
         columns=times(laws, spring.of, second.of), lower=(*form.lower,) * 2, upper=(*form.upper,) * 2,
-        about=_about_second(laws, spring.of, second.about) if second.about else None,
+        about=_about_second(laws, spring, second) if second.changed else None,
     )  # fmt: skip
 
 
@@ -420,20 +415,35 @@ def odd_spring(scene: Scene) -> Floats:
     return np.column_stack([x, x**3])
 
 
-def _about(laws: Columns, part: Callable[[Scene, Floats], Floats]) -> ColumnsAbout:
+def _stiffened(scene: Scene, gain: Floats) -> Floats:
+    """Change for a relative ``gain`` (n,) of all stiffnesses that leaves what slides as strong as it was, N·m, shape (n,)."""
+    left = np.maximum(1.0 + gain, BARELY)
+    return gain * scene.torque + left * scene.stronger_at(-gain / left)
+
+
+def _about(laws: Columns, part: Part) -> ColumnsAbout:
+    """Columns ``laws`` (n, k) of a part's change where that is not linear: what is beyond, each has as far as it makes the gain."""
+
     def columns(scene: Scene, shape: tuple[float, ...], coefficients: Floats) -> Floats:
-        relative = laws(scene, shape)
-        return relative * part(scene, relative @ coefficients)[:, None]
+        assert part.changed is not None
+        relative, slope = laws(scene, shape), part.of(scene)
+        makes = coefficients * np.mean(np.square(relative), axis=0)
+        made = relative * slope[:, None]
+        whole = float(coefficients @ makes)
+        if whole > 0.0:
+            beyond = part.changed(scene, relative @ coefficients) - made @ coefficients
+            made += beyond[:, None] * (makes / whole)
+        return made
 
     return columns
 
 
-def _about_second(
-    laws: Columns, first: Callable[[Scene], Floats], second: Callable[[Scene, Floats], Floats]
-) -> ColumnsAbout:
+def _about_second(laws: Columns, first: Part, second: Part) -> ColumnsAbout:
+    """Columns of two parts that change by ``laws`` (n, 1), the second of them as :func:`_about` has it."""
+    about = _about(laws, second)
+
     def columns(scene: Scene, shape: tuple[float, ...], coefficients: Floats) -> Floats:
-        relative = laws(scene, shape)
-        return relative * np.column_stack([first(scene), second(scene, relative[:, 0] * coefficients[1])])
+        return np.hstack([laws(scene, shape) * first.of(scene)[:, None], about(scene, shape, coefficients[1:])])
 
     return columns
 

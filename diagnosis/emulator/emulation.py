@@ -30,11 +30,10 @@ from .generalised import (
     motion_of,
     predict_generalised,
     relative_error,
-    slid_at,
     spring_of,
     strengthened,
-    without_slid,
 )
+from .giving_way import given_way, without_given_way
 from .kinds import KINDS
 
 __all__ = ["GENERALISED", "AskingScene", "Emulator", "SimulatorScene", "answers_of", "emulate"]
@@ -51,6 +50,8 @@ REMEMBERED, PLACES = 48, 4
 SMALL, GAIN_STEP, GAINS = 0.05, 0.25, (-0.78, 2.5)
 """Relative gain of friction's strength that counts as small, steps of its logarithm at which the change is computed, and between
 which gains."""
+HARDLY_ANY = -0.95
+"""The same at which there is hardly any left."""
 
 
 @dataclass(frozen=True)
@@ -179,52 +180,47 @@ class SimulatorScene:
     @property
     def strength(self) -> Floats:
         """Change of that part for a relative change of its strength by one at the same stiffness, N·m, shape (n,)."""
-        return self._strength_at(0, dict)
+        return self._once("strength", lambda: self._slope(self.emulator.split))
 
     def stronger_at(self, gain: Floats) -> Floats:
-        """Change of the output for a relative ``gain`` (n,) of that strength that changes within a swing, N·m, shape (n,).
+        """Change of the output for a relative ``gain`` (n,) of that strength, which may change on the way, N·m, shape (n,).
 
-        What is no stop and no sharp slider is where it would be with that strength throughout.
+        What does not say how it gives way at a level that changes is where it would be with that strength throughout.
         """
-        motion = motion_of(self.signals)
-        held = self._once("slid", lambda: slid_at(self.emulator.split, motion, np.zeros_like(gain)))
-        return slid_at(self.emulator.split, motion, gain) - held + gain * self._about(gain, without_slid)
+        motion, gain = motion_of(self.signals), np.maximum(gain, HARDLY_ANY)
+        usual = self._once("given way", lambda: given_way(self.emulator.split, motion, np.zeros_like(gain)))
+        return given_way(self.emulator.split, motion, gain) - usual + gain * self._about(gain)
 
-    def strength_about(self, gain: Floats) -> Floats:
-        """The same over a ``gain`` (n,) of that strength that is not small, N·m, shape (n,).
-
-        Friction turns round often while its strength changes, so that it is where it would be with that strength throughout.
-        """
-        return self._about(gain, dict)
-
-    def _about(self, gain: Floats, part: Callable[[Mapping[str, Any]], Mapping[str, Any]]) -> Floats:
-        """The same of a ``part`` of the emulator."""
-        at = np.clip(np.log1p(np.maximum(gain, GAINS[0])) / GAIN_STEP, None, np.log1p(GAINS[1]) / GAIN_STEP)
+    def _about(self, gain: Floats) -> Floats:
+        """Change of that rest over a relative ``gain`` (n,) of its strength that it has throughout, N·m, shape (n,)."""
+        at = np.clip(np.log1p(gain), *np.log1p(GAINS)) / GAIN_STEP
         below = np.floor(at).astype(np.intp)
         first, last = int(below.min()), int(below.max()) + 1
-        nodes = np.array([self._strength_at(k, part) for k in range(first, last + 1)])
+        nodes = np.array([self._rest_at(k) for k in range(first, last + 1)])
         samples = np.arange(below.size)
         share = at - below
         return (1.0 - share) * nodes[below - first, samples] + share * nodes[below - first + 1, samples]
 
-    def _strength_at(self, k: int, part: Callable[[Mapping[str, Any]], Mapping[str, Any]]) -> Floats:
+    def _rest_at(self, k: int) -> Floats:
         """The same over a gain of ``k`` steps."""
-        gain = float(np.expm1(k * GAIN_STEP))
+        rest, gain = without_given_way(self.emulator.split), float(np.expm1(k * GAIN_STEP))
 
         def change() -> Floats:
-            if k:
-                return self._stronger(gain, part) / gain
-            return (self._stronger(SMALL, part) - self._stronger(-SMALL, part)) / (2.0 * SMALL)
+            return self._stronger(gain, rest) / gain if k else self._slope(rest)
 
-        return self._once(f"strength of {part.__name__}, {k}", change)
+        return self._once(f"strength of the rest, {k}", change)
 
     def stronger(self, gain: float) -> Floats:
         """Change of the output for a relative ``gain`` of that strength, however large, N·m, shape (n,)."""
-        return self._stronger(gain, dict)
+        return self._stronger(gain, self.emulator.split)
 
-    def _stronger(self, gain: float, part: Callable[[Mapping[str, Any]], Mapping[str, Any]]) -> Floats:
-        """The same of a ``part`` of the emulator."""
-        return strengthened(part(self.emulator.split), motion_of(self.signals), gain, self.signals.timed)
+    def _slope(self, part: Mapping[str, Any]) -> Floats:
+        """Change of a ``part`` of the emulator over a small gain."""
+        return (self._stronger(SMALL, part) - self._stronger(-SMALL, part)) / (2.0 * SMALL)
+
+    def _stronger(self, gain: float, part: Mapping[str, Any]) -> Floats:
+        """Change of a ``part`` of the emulator for a gain that it has throughout."""
+        return strengthened(part, motion_of(self.signals), gain, self.signals.timed)
 
     def _once(self, name: str, make: Callable[[], Any]) -> Any:
         if name not in self._lasting:

@@ -14,19 +14,29 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..operators.levels import slid
 from ..operators.memory import bristle, plays, weighed
 from ..recording.noise import rms
 from ..recording.signals import Signals, differentiate
 from .elements import drag_among, kinks_moved, strengthened_among, tangents, torque_of, uncancelled
 from .growth import PLACED, RATES, STOPS, TABLED, Growth
 from .kind import ELASTIC, MEMORY
-from .kinds import KERNELS, KINDS, KINKS, SHARP
+from .kinds import KERNELS, KINDS, KINKS
 from .motion import DIFFERENCES, Extent, Motion
 from .placing import Choices
 from .selection import CLEARLY, places_of, solve, spread
 
-__all__ = ["Generalised", "motion_of", "predict_generalised", "relative_error", "spring_of", "strengthened"]
+__all__ = [
+    "Generalised",
+    "as_seen",
+    "drag_of",
+    "motion_beside",
+    "motion_of",
+    "predict_generalised",
+    "relative_error",
+    "spring_of",
+    "stops_along",
+    "strengthened",
+]
 
 Floats = NDArray[np.float64]
 ELEMENTS, FINER = 14, 40
@@ -479,6 +489,13 @@ def _by_place(parameters: Mapping[str, Any]) -> Floats:
     return placed
 
 
+def stops_along(parameters: Mapping[str, Any], x: Floats) -> Floats:
+    """Weights of all stops, N·m/rad, where the joint is, at ``x`` (n,), shape (n, stops)."""
+    placed = _by_place(parameters)
+    everywhere = np.asarray(parameters["weights"])[: placed.shape[1]]
+    return everywhere + np.column_stack(_weights(_place(x, parameters["reach"]))) @ placed
+
+
 def _weights(u: Floats) -> tuple[Floats, ...]:
     """How an element's torque may depend on its place, ``PLACES`` of them."""
     return u, u * u, np.abs(u), u**3
@@ -491,7 +508,7 @@ def _rates(speed: Floats, acceleration: Floats, fast: float) -> Floats:
 
 def predict_generalised(parameters: Mapping[str, Any], motion: Motion, dragging: bool = True) -> Floats:
     """Output of the built-in emulator, N·m, shape (n,), from the virgin state in each run; or without what :func:`drag_of` is."""
-    motion = _as_seen(parameters, motion)
+    motion = as_seen(parameters, motion)
     path, weights = motion.path, np.asarray(parameters["weights"])
     u = _place(motion.x, parameters["reach"])
     thresholds, lengths = np.asarray(parameters["thresholds"]), np.asarray(parameters["lengths"])
@@ -509,7 +526,7 @@ def predict_generalised(parameters: Mapping[str, Any], motion: Motion, dragging:
 
 def drag_of(parameters: Mapping[str, Any], motion: Motion) -> Floats:
     """What of the built-in emulator's output follows speed and acceleration alone, N·m, shape (n,)."""
-    motion = _as_seen(parameters, motion)
+    motion = as_seen(parameters, motion)
     return _drag(parameters, motion) + drag_among(parameters.get("further", {}), motion)
 
 
@@ -519,8 +536,8 @@ def _drag(parameters: Mapping[str, Any], motion: Motion) -> Floats:
     return np.asarray(_rates(motion.speed, motion.acceleration, float(parameters["fast"])) @ parameters["rates"])
 
 
-def _as_seen(parameters: Mapping[str, Any], motion: Motion) -> Motion:
-    """The motion with the derivatives that the simulator takes, from where its memory begins."""
+def as_seen(parameters: Mapping[str, Any], motion: Motion) -> Motion:
+    """A motion with the derivatives that the simulator takes, from where its memory begins."""
     motion = motion.begun() if parameters.get("begun", False) else motion
     return motion.differenced(str(parameters.get("derivatives", SMOOTH)))
 
@@ -538,7 +555,7 @@ def strengthened(parameters: Mapping[str, Any], motion: Motion, gain: float, tim
 
     And, where the motion is ``timed``, of friction that knows the speed alone: without a clock it only tells the direction.
     """
-    rates, fast = np.array(parameters["rates"]), float(np.std(_as_seen(parameters, motion).speed))
+    rates, fast = np.array(parameters["rates"]), float(np.std(as_seen(parameters, motion).speed))
     if timed:
         rates[-len(STEEPNESS) :] *= 1.0 + gain
     stronger = dict(parameters) | {
@@ -548,45 +565,6 @@ def strengthened(parameters: Mapping[str, Any], motion: Motion, gain: float, tim
         "further": strengthened_among(parameters.get("further", {}), gain, fast),
     }
     return predict_generalised(stronger, motion) - predict_generalised(parameters, motion)
-
-
-def slid_at(parameters: Mapping[str, Any], motion: Motion, gain: Floats) -> Floats:
-    """What the built-in emulator's stops and sharp sliders hold where they have a relative ``gain`` (n,) of their strength at the
-    same stiffness, which may change on the way, N·m, shape (n,): what they held before they had it they still hold."""
-    motion = _as_seen(parameters, motion)
-    thresholds = np.asarray(parameters["thresholds"])
-    weights, placed = np.asarray(parameters["weights"])[: thresholds.size], _by_place(parameters)
-    by_place = np.column_stack(_weights(_place(motion.x, parameters["reach"])))
-    elements = [
-        (t, w + by_place @ p if np.any(p) else w) for t, w, p in zip(thresholds, weights, placed.T, strict=True)
-    ]
-    if SHARP in parameters.get("further", {}):
-        sharp = parameters["further"][SHARP]
-        elements += [(t, w) for (t,), w in zip(sharp["sizes"], sharp["weights"], strict=True)]
-    held = np.zeros(motion.x.size)
-    for threshold, weight in elements:
-        if np.any(weight):
-            held += weight * threshold * _sliding(motion, 1.0 + gain, threshold)
-    return held
-
-
-def _sliding(motion: Motion, level: Floats, threshold: float) -> Floats:
-    """A stop over its ``threshold`` that gives way at ``level`` (n,), shape (n,), from the virgin state, which is at zero."""
-    made = np.empty(level.size)
-    for run in motion.runs:
-        x, at = np.concatenate([[0.0], motion.path[run]]), np.concatenate([level[run][:1], level[run]])
-        made[run] = slid(x, at, threshold)[1:]
-    return made
-
-
-def without_slid(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """The same emulator without what :func:`slid_at` is."""
-    count = np.asarray(parameters["thresholds"]).size
-    weights = np.array(parameters["weights"], dtype=np.float64)
-    weights[:count] = 0.0
-    further = {name: elements for name, elements in parameters.get("further", {}).items() if name != SHARP}
-    nowhere = np.zeros_like(np.asarray(parameters["placed"], dtype=np.float64))
-    return dict(parameters) | {"weights": weights, "placed": nowhere, "further": further}
 
 
 def _stronger(motion: Motion, thresholds: Floats, lengths: Floats) -> Floats:

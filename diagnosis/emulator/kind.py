@@ -11,7 +11,18 @@ from numpy.typing import NDArray
 
 from .motion import Extent, Motion
 
-__all__ = ["ELASTIC", "MEMORY", "RATE", "Kind", "by_row", "timed_by", "timeless", "with_each"]
+__all__ = [
+    "ELASTIC",
+    "MEMORY",
+    "RATE",
+    "Kind",
+    "at_level",
+    "by_row",
+    "timed_by",
+    "timeless",
+    "timeless_at_level",
+    "with_each",
+]
 
 Floats = NDArray[np.float64]
 ELASTIC, MEMORY, RATE = "elastic", "memory", "rate"
@@ -37,6 +48,9 @@ class Kind:
         Whether it is left out where a recording has no clock. Speed is there in any case: it tells the direction.
     together : callable, optional
         ``together(motion, sizes, weights) -> (n,)``, the torque of all, where that takes less than to make each.
+    yielding : callable, optional
+        ``yielding(motion, sizes, level) -> (n, k)``, the columns where each gives way at ``level`` (n,) times its own, which may change on
+        the way, at the same stiffness. Others are taken to be where they would be had that been their level all along.
     limits : callable, optional
         ``limits(extent) -> (2, m)``, positive but those ``signed``, between which sizes are moved to their best places from those to choose
         from, which are not fine enough to be taken as they are.
@@ -79,6 +93,7 @@ class Kind:
     between: Mapping[int, tuple[float, float]] = field(default_factory=dict)
     timed: bool = False
     together: Callable[[Motion, Floats, Floats], Floats] | None = None
+    yielding: Callable[[Motion, Floats, Floats], Floats] | None = None
     limits: Callable[[Extent], Floats] | None = None
     later: Sequence[int] = ()
     corners: Sequence[int] = (0,)
@@ -130,6 +145,18 @@ def timeless(answer: Callable[..., Floats]) -> Callable[[Motion, Floats], Floats
 def timed_by(answer: Callable[..., Floats]) -> Callable[[Motion, Floats], Floats]:
     """The same of one that knows the time as well."""
     return by_row(lambda motion, *sizes: motion.from_rest(lambda x, time: answer(time, x, *sizes), motion.time))
+
+
+def at_level(column: Callable[..., Floats]) -> Callable[[Motion, Floats, Floats], Floats]:
+    """Columns of elements that give way at a level, made one by one, each from its sizes and ``level`` (n,)."""
+    return lambda motion, sizes, level: np.column_stack([column(motion, *row, level=level) for row in sizes])
+
+
+def timeless_at_level(answer: Callable[..., Floats]) -> Callable[[Motion, Floats, Floats], Floats]:
+    """The same of what an operator of given sizes answers to the deflection and its level alone."""
+    return at_level(
+        lambda motion, *sizes, level: motion.from_rest(lambda x, level: answer(x, *sizes, level=level), level)
+    )
 
 
 def with_each(lengths: Floats, *others: tuple[float, ...]) -> Floats:

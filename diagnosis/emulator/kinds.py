@@ -15,12 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.dahl import friction
+from ..operators.levels import slid, yielding
 from ..operators.masses import held_by_load, sliding
 from ..operators.memory import dashed, hardening, held_inside, leaky, orifice, pressed
 from ..operators.smooth_loops import pinched, smooth
 from ..operators.steel import yielding_again
 from ..operators.viscoplastic import viscoplastic
-from .kind import ELASTIC, MEMORY, RATE, Kind, by_row, timed_by, timeless, with_each
+from .kind import ELASTIC, MEMORY, RATE, Kind, at_level, by_row, timed_by, timeless, timeless_at_level, with_each
 from .motion import Extent, Motion
 from .single_elements import (
     at_low_speed,
@@ -212,6 +213,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         MEMORY, True,
         lambda extent: extent.reach * np.geomspace(0.02, 1.0, 12)[:, None],
         stops,
+        yielding=timeless_at_level(lambda x, length, level: length * slid(x, level, length)),
         limits=lambda extent: extent.reach * np.array([[0.003], [3.0]]),
     ),
     # Dampers of clutches and flywheels, whose stages rub once they engage, or once a play is taken up.
@@ -259,12 +261,14 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         _smooth_sizes,
         timeless(smooth),
         {1: (0.0, np.inf)},
+        yielding=timeless_at_level(smooth),
     ),
     "a few smooth sliders": Kind(
         MEMORY, True,
         _smooth_sizes,
         timeless(smooth),
         {1: (0.0, np.inf)},
+        yielding=timeless_at_level(smooth),
         limits=lambda extent: np.array([[0.004 * extent.reach, 1.0, 0.3], [3.0 * extent.reach, 8.0, 3.0]]),
     ),
     # Dahl (Aerospace Corporation TOR-158, 1968), whose exponent tells how sharply a slider yields.
@@ -273,6 +277,9 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         lambda extent: with_each(extent.reach * np.geomspace(0.006, 0.6, 8), (0.4,), (1.0,), (1.8,)),
         timeless(lambda x, length, exponent: length * friction(x, length=length, exponent=exponent)),
         {1: (0.0, np.inf)},
+        yielding=timeless_at_level(
+            lambda x, length, exponent, level: length * yielding(x, level, length, exponent)
+        ),
         limits=lambda extent: np.array([[0.002 * extent.reach, 0.02], [3.0 * extent.reach, 3.0]]),
         last=True,
         alone=True,
@@ -337,6 +344,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         ),
         timeless(pressed),
         {2: (0.0, np.inf)},
+        yielding=timeless_at_level(pressed),
         limits=lambda extent: np.array([
             [0.003 * extent.reach, 0.1 * extent.reach, 0.5], [1.0 * extent.reach, 30.0 * extent.reach, 4.0],
         ]),
@@ -357,6 +365,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         ),
         timeless(pinched),
         {1: (0.0, np.inf), 3: (0.0, 1.0), 5: (0.01, np.inf)},
+        yielding=timeless_at_level(pinched),
         limits=lambda extent: np.array([
             [0.02 * extent.reach, 1.0, 0.3, 0.02, 0.005, 0.08], [3.0 * extent.reach, 4.0, 1.5, 0.95, 0.9, 1.5],
         ]),
@@ -463,6 +472,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         lambda extent: extent.leaf * with_each(np.geomspace(0.01, 0.3, 6), (0.4, 0.3), (1.0, 0.6), (2.5, 0.3)),
         by_row(leaves),
         {1: (0.0, np.inf)},
+        yielding=at_level(leaves),
         limits=lambda extent: extent.leaf * [[0.002, 0.1, 0.01], [2.0, 10.0, 10.0]],
         all_along=True,
     ),
@@ -472,6 +482,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         lambda extent: extent.loaded_leaf * with_each(np.geomspace(0.01, 0.3, 6), *itertools.product((1.0,), (0.5, 2.0), (-0.2, 0.0, 0.2), (0.01, 1.0))),
         by_row(leaves),
         {1: (0.0, np.inf)},
+        yielding=at_level(leaves),
         limits=lambda extent: extent.loaded_leaf * [[0.002, 0.1, 0.01, -0.5, 0.001], [2.0, 10.0, 30.0, 0.5, 30.0]],
         later=(1, 4),
         signed=(3,),
@@ -483,12 +494,14 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         MEMORY, True,
         _stribeck_sizes,
         by_row(stribeck),
+        yielding=at_level(stribeck),
         by_speed=True,
     ),
     "a few Stribeck sliders": Kind(
         MEMORY, True,
         lambda extent: np.insert(_stribeck_sizes(extent), [3, 3], [0.03 * extent.interval, 2.0], axis=1),
         by_row(stribeck),
+        yielding=at_level(stribeck),
         limits=lambda extent: extent.slipping * [[0.001, 0.003, 0.02, 0.003, 0.5], [1.0, 5.0, 6.0, 30.0, 3.0]],
         later=(3, 4),
         exact=(4,),

@@ -15,7 +15,7 @@ from scipy.special import expit
 from ...models.dahl import friction
 from ..operators.chambers import chamber
 from ..operators.kernels import kernel
-from ..operators.levels import attracted, elastoplastic, yielding
+from ..operators.levels import CONSTANT, attracted, elastoplastic, yielding
 from ..operators.magnetic import magnetised
 from ..operators.memory import bristle, enveloped, hyperbolic, lagged, lowpass, plays
 from ..operators.superelastic import superelastic
@@ -101,12 +101,23 @@ def pressed_by_speed(motion: Motion, pace: float, power: float) -> Floats:
 
 
 def leaves(
-    motion: Motion, length: float, back: float, growth: float, place: float = 0.0, hardening: float = 0.0
+    motion: Motion,
+    length: float,
+    back: float,
+    growth: float,
+    place: float = 0.0,
+    hardening: float = 0.0,
+    level: Floats = CONSTANT,
 ) -> Floats:
-    """Friction between leaves, which are pressed together the more the farther they are bent, or by a spring that hardens."""
-    return length * motion.from_rest(
-        enveloped, length=length, back=back, growth=growth, place=place, hardening=hardening
-    )
+    """Friction between leaves, which are pressed together the more the farther they are bent, or by a spring that hardens.
+
+    It is ``level`` (n,) times as strong.
+    """
+
+    def rubbed(x: Floats, *level: Floats) -> Floats:
+        return enveloped(x, length, back, growth, place, hardening, *level)
+
+    return length * motion.from_rest(rubbed, *([level] if level.size else []))
 
 
 def capstan(motion: Motion, length: float, exponent: float, wrap: float, growth: float) -> Floats:
@@ -149,13 +160,20 @@ def _level(motion: Motion, pace: float, excess: float, power: float) -> Floats:
 
 
 def stribeck(
-    motion: Motion, length: float, pace: float, excess: float, damping: float = 0.0, power: float = 2.0
+    motion: Motion,
+    length: float,
+    pace: float,
+    excess: float,
+    damping: float = 0.0,
+    power: float = 2.0,
+    level: Floats | float = 1.0,
 ) -> Floats:
     """A LuGre element that yields at a level which falls with speed, by ``pace`` (rad/s), from 1 + ``excess`` to 1.
 
-    Its bristles resist their own speed by ``damping`` (s) times their stiffness; the level falls with a ``power`` of the speed.
+    Its bristles resist their own speed by ``damping`` (s) times their stiffness; the level falls with a ``power`` of the speed, and is
+    ``level`` (n,) times as high.
     """
-    level = _level(motion, pace, excess, power)
+    level = level * _level(motion, pace, excess, power)
     built_up = motion.from_rest(yielding, level, length=length)
     bending = motion.speed - np.abs(motion.speed) * built_up / level
     return length * built_up + damping * bending

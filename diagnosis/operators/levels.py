@@ -6,21 +6,31 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["attracted", "elastoplastic", "slid", "yielding"]
+__all__ = ["CONSTANT", "attracted", "elastoplastic", "slid", "yielding"]
 
 Floats = NDArray[np.float64]
+CONSTANT = np.empty(0)
+"""A level that is one all the way."""
 BENT, MOST_PARTS, SLIDING = 0.2, 200, 0.98
 """Way of one step of an elasto-plastic bristle, over what stretches it to one, steps to a sample at most, and the share of its level from
 which it slides."""
 
 
 @njit(cache=True)
-def _yielding(x, level, length, out):
-    f = 0.0
+def _yielding(x, level, length, exponent, out):
+    f, bend = 0.0, 1.0 - exponent
     for i in range(1, x.size):
         moved = x[i] - x[i - 1]
+        way = abs(moved) / (length * level[i])
         towards = level[i] if moved > 0.0 else -level[i]
-        f = towards + (f - towards) * np.exp(-abs(moved) / (length * level[i]))
+        if bend == 0.0:
+            left = np.exp(-way)
+        else:
+            # What is left to the level, u, follows du = -|u|^exponent sgn(u) |dx| / (length level), solved in closed form.
+            size = abs(1.0 - f / towards)
+            used = bend * way * size**-bend if size > 0.0 else 1.0
+            left = np.exp(np.log1p(-used) / bend) if used < 1.0 else 0.0
+        f = towards + (f - towards) * left
         out[i] = f
 
 
@@ -89,10 +99,13 @@ def _attracted(time, x, level, length, settling, sudden, out):
         out[i] = f
 
 
-def yielding(x: Floats, level: Floats, length: float) -> Floats:
-    """LuGre bristle of stiffness 1/``length`` over ``x`` (n,) that yields at ``level`` (n,), shape (n,)."""
+def yielding(x: Floats, level: Floats, length: float, exponent: float = 1.0) -> Floats:
+    """LuGre bristle of stiffness 1/``length`` over ``x`` (n,) that yields at ``level`` (n,), shape (n,).
+
+    With another ``exponent`` than one it does so more or less sharply (Dahl, AIAA Journal 14(12), 1976).
+    """
     out = np.zeros(x.size)
-    _yielding(np.ascontiguousarray(x), np.ascontiguousarray(level), float(length), out)
+    _yielding(np.ascontiguousarray(x), np.ascontiguousarray(level), float(length), float(exponent), out)
     return out
 
 

@@ -6,6 +6,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from .levels import CONSTANT
+
 __all__ = [
     "bristle",
     "creeping",
@@ -57,7 +59,7 @@ def _bristle(x, length, out):
 
 
 @njit(cache=True)
-def _enveloped(x, length, back, growth, place, hardening, out):
+def _enveloped(x, level, length, back, growth, place, hardening, out):
     f = 0.0
     out[0] = 0.0
     for i in range(1, x.size):
@@ -65,16 +67,20 @@ def _enveloped(x, length, back, growth, place, hardening, out):
         towards, over = (1.0, length) if moved > 0.0 else (-1.0, length * back)
         # What the spring of a load that is nil at ``place`` has there, over its stiffness.
         towards *= 1.0 + growth * abs((x[i] - place) * (1.0 + hardening * (x[i] * (x[i] + place) + place * place)))
+        if level.size:
+            towards, over = towards * level[i], over * level[i]
         f = towards + (f - towards) * np.exp(-abs(moved) / over)
         out[i] = f
 
 
 @njit(cache=True)
-def _pressed(x, length, width, power, out):
+def _pressed(x, level, length, width, power, out):
     f = 0.0
     out[0] = 0.0
     for i in range(1, x.size):
         limit = length * (1.0 + (abs(x[i]) / width) ** power)
+        if level.size:
+            limit *= level[i]
         f = min(max(f + x[i] - x[i - 1], -limit), limit)
         out[i] = f
 
@@ -352,26 +358,32 @@ def bristle(x: Floats, length: float) -> Floats:
 
 
 def enveloped(
-    x: Floats, length: float, back: float, growth: float, place: float = 0.0, hardening: float = 0.0
+    x: Floats,
+    length: float,
+    back: float,
+    growth: float,
+    place: float = 0.0,
+    hardening: float = 0.0,
+    level: Floats = CONSTANT,
 ) -> Floats:
-    """A bristle between envelopes ±(1 + ``growth`` |x|) over ``x`` (n,), rad, from rest, shape (n,).
+    """A bristle between envelopes ±``level`` (n,) (1 + ``growth`` |x|) over ``x`` (n,), rad, from rest, shape (n,).
 
     It builds up over ``length``, rad, and on the way down over ``back`` times as much (Fancher et al., SAE paper 800905, 1980).
     The envelope goes with the torque of a spring that is nil at ``place``, rad, and hardens by ``hardening``, 1/rad².
     """
     out = np.empty(x.size)
     envelope = float(growth), float(place), float(hardening)
-    _enveloped(np.ascontiguousarray(x), float(length), float(back), *envelope, out)
+    _enveloped(np.ascontiguousarray(x), np.ascontiguousarray(level), float(length), float(back), *envelope, out)
     return out
 
 
-def pressed(x: Floats, length: float, width: float, power: float) -> Floats:
-    """A stop over ``x`` (n,) from rest that gives way at ``length``, rad, and later off the middle, shape (n,).
+def pressed(x: Floats, length: float, width: float, power: float, level: Floats = CONSTANT) -> Floats:
+    """A stop over ``x`` (n,) from rest that gives way at ``length``, rad, times ``level`` (n,), and later off the middle, shape (n,).
 
     At twice that ``width`` off it, rad, growing with a ``power`` of the deflection: friction that the spring's load presses.
     """
     out = np.empty(x.size)
-    _pressed(np.ascontiguousarray(x), float(length), float(width), float(power), out)
+    _pressed(np.ascontiguousarray(x), np.ascontiguousarray(level), float(length), float(width), float(power), out)
     return out
 
 

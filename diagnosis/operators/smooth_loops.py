@@ -10,6 +10,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from .levels import CONSTANT
+
 __all__ = ["pinched", "smooth"]
 
 Floats = NDArray[np.float64]
@@ -53,7 +55,18 @@ def _between(u, first, last, first_slope, last_slope):
 
 
 @njit(cache=True)
-def _along_curve(x, length, exponent, share, depth, place, width, out):
+def _entered(q, curve, slopes):
+    # Where the curve is entered, in its steps.
+    k = min(max(np.searchsorted(curve, q, side="right") - 1, 0), curve.size - 2)
+    u = min(max((q - curve[k]) / (curve[k + 1] - curve[k]), 0.0), 1.0)
+    for _ in range(ENTERED):
+        there, slope = _between(u, curve[k], curve[k + 1], slopes[k], slopes[k + 1])
+        u = min(max(u - (there - q) / max(slope, 1e-300), 0.0), 1.0)
+    return k + u
+
+
+@njit(cache=True)
+def _along_curve(x, level, length, exponent, share, depth, place, width, out):
     back = 1.0 - 2.0 * share
     h = KNOTS / (max(1.0, exponent) * max(1.0, abs(back)))
     if depth > 0.0:
@@ -65,45 +78,55 @@ def _along_curve(x, length, exponent, share, depth, place, width, out):
         way, of = (-1.0, back) if curve[k] < 0.0 else (1.0, 1.0)
         slopes[k] = h * _rate(abs(curve[k]), way, exponent, of, depth, place, width)
     end = curve.size - 1.0
-    q, way, at = 0.0, 0.0, 0.0
+    q, way, at, most = 0.0, 0.0, 0.0, 1.0
     out[0] = 0.0
     for i in range(1, x.size):
         moved = x[i] - x[i - 1]
         if moved != 0.0:
-            now = 1.0 if moved > 0.0 else -1.0
-            if now != way:
-                q, way = -q, now
-                k = min(max(np.searchsorted(curve, q, side="right") - 1, 0), curve.size - 2)
-                u = min(max((q - curve[k]) / (curve[k + 1] - curve[k]), 0.0), 1.0)
-                for _ in range(ENTERED):
-                    there, slope = _between(u, curve[k], curve[k + 1], slopes[k], slopes[k + 1])
-                    u = min(max(u - (there - q) / max(slope, 1e-300), 0.0), 1.0)
-                at = k + u
-            at = min(at + abs(moved) / (length * h), end)
-            k = max(min(int(at), curve.size - 2), 0)
-            q, _ = _between(at - k, curve[k], curve[k + 1], slopes[k], slopes[k + 1])
-        out[i] = way * q * length
+            now, high = 1.0 if moved > 0.0 else -1.0, level[i] if level.size else 1.0
+            if now != way or high != most:
+                # What it holds it still holds where its level has changed.
+                q = (q if now == way else -q) * most / high
+                way, most = now, high
+                at = _entered(q, curve, slopes)
+            step = abs(moved) / (length * most)
+            # Where its level fell below what it holds it is off the curve.
+            if q > 1.0:
+                q = max(q + step * _rate(q, 1.0, exponent, 1.0, depth, place, width), 1.0)
+            elif q < -1.0:
+                q += step * _rate(-q, -1.0, exponent, back, depth, place, width)
+                at = _entered(q, curve, slopes)
+            else:
+                at = min(at + step / h, end)
+                k = max(min(int(at), curve.size - 2), 0)
+                q, _ = _between(at - k, curve[k], curve[k + 1], slopes[k], slopes[k + 1])
+        out[i] = way * q * length * most
 
 
-def smooth(x: Floats, length: float, exponent: float, share: float) -> Floats:
-    """Bouc-Wen element of unit stiffness over ``x`` (n,) from rest that saturates at ``length``, shape (n,).
+def smooth(x: Floats, length: float, exponent: float, share: float, level: Floats = CONSTANT) -> Floats:
+    """Bouc-Wen element of unit stiffness over ``x`` (n,) from rest that saturates at ``length`` times ``level`` (n,), shape (n,).
 
     ``share`` is that of beta in beta + gamma. It is followed to 5e-5 of its length, in a fraction of the
     time that the registered model takes (Wen, J. Eng. Mech. Div. 102, 1976).
     """
-    out = np.empty(x.size)
-    _along_curve(np.ascontiguousarray(x), float(length), float(exponent), float(share), 0.0, 0.0, 1.0, out)
-    return out
+    return pinched(x, length, exponent, share, 0.0, 0.0, 1.0, level)
 
 
 def pinched(
-    x: Floats, length: float, exponent: float, share: float, depth: float, place: float, width: float
+    x: Floats,
+    length: float,
+    exponent: float,
+    share: float,
+    depth: float,
+    place: float,
+    width: float,
+    level: Floats = CONSTANT,
 ) -> Floats:
     """What :func:`smooth` makes, its stiffness less by the share ``depth`` at ``place`` of ``length`` past zero, shape (n,).
 
     The pinch is as wide as ``width`` of ``length`` (Baber and Noori, J. Eng. Mech. 111, 1985, 1010–1026).
     """
     out = np.empty(x.size)
-    x = np.ascontiguousarray(x)
-    _along_curve(x, float(length), float(exponent), float(share), float(depth), float(place), float(width), out)
+    sizes = float(length), float(exponent), float(share), float(depth), float(place), float(width)
+    _along_curve(np.ascontiguousarray(x), np.ascontiguousarray(level), *sizes, out)
     return out
