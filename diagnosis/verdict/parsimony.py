@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..effects.base import INPUT
 from ..hypotheses.adequacy import ALMOST_ALL, INEXACT_NEAR, is_adequate, left_by
 from ..hypotheses.evidence import Evidence, Hypothesis, is_refitted
 from ..hypotheses.heldout import held_out
@@ -80,8 +81,12 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
 
     @functools.cache
     def leaves_nothing() -> bool:
-        """An inexact law that another effect patches leaves something, or it needs a simulator that is off."""
-        return not evidence.fitted and not is_refitted(top.scale) and left_by(evidence, top) < NOTHING
+        """An inexact law that another effect patches leaves something, or it needs a simulator that is off.
+
+        What acts on the deflection is known only as far as the simulator is emulated.
+        """
+        known = all(term.effect.acts_on != INPUT for term in top.terms)
+        return known and not evidence.fitted and not is_refitted(top.scale) and left_by(evidence, top) < NOTHING
 
     changed, explained = True, is_adequate(evidence, top, energy)
     while changed:
