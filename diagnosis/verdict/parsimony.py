@@ -104,7 +104,7 @@ def simplest(evidence: Evidence, ranked: Sequence[Hypothesis], energy: float) ->
                 enough = indifferent or (
                     little and (not explained or is_adequate(evidence, by_names[smaller.names], energy))
                 )
-                lost = best.score - smaller.score
+                lost = best.score - by_names[smaller.names].score
                 if lost > ONE_MORE * evidence.effective and leaves_nothing():
                     continue
                 if enough and not does_without_refit(best.names, smaller.names):
