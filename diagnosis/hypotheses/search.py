@@ -473,11 +473,15 @@ def _other_laws(library: Library, fitted: Hypothesis) -> list[Hypothesis]:
         ):
             laws = library.extend(others, scales, term.effect.id)
             laws = [(s, numbers) for s, numbers in laws if library.terms[numbers[-1]].form.name != term.form.name]
-            for _, numbers in sorted(laws, reverse=True)[:count]:
+            # Where one of those with the same shape parameters leads, the others are tried from there.
+            unlike = _at_most(
+                sorted(laws, reverse=True), 1, lambda numbers: str(library.terms[numbers[-1]].form.shapes)
+            )
+            for _, numbers in unlike[:count]:
                 tried.setdefault(library.terms[numbers[-1]].form.name, numbers)
         for numbers in tried.values():
             other = _refined(evidence, [library.terms[number] for number in numbers])
-            made.append(other)
+            made += [other, *(_siblings(evidence, other) if other.score > fitted.score else ())]
             if other.score > fitted.score - NEARLY * evidence.effective:
                 made += successors(evidence, other)
     return made
