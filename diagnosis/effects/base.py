@@ -422,7 +422,7 @@ def _stiffened(scene: Scene, gain: Floats) -> Floats:
 
 
 def _about(laws: Columns, part: Part) -> ColumnsAbout:
-    """Columns ``laws`` (n, k) of a part's change where that is not linear: what is beyond, each has as far as it makes the gain."""
+    """Columns of a part that changes by ``laws`` (n, k): what goes beyond the linear they share as they make the gain."""
 
     def columns(scene: Scene, shape: tuple[float, ...], coefficients: Floats) -> Floats:
         assert part.changed is not None
