@@ -493,6 +493,8 @@ def stops_along(parameters: Mapping[str, Any], x: Floats) -> Floats:
     """Weights of all stops, N·m/rad, where the joint is, at ``x`` (n,), shape (n, stops)."""
     placed = _by_place(parameters)
     everywhere = np.asarray(parameters["weights"])[: placed.shape[1]]
+    if not np.any(placed):
+        return np.broadcast_to(everywhere, (x.size, everywhere.size))
     return everywhere + np.column_stack(_weights(_place(x, parameters["reach"]))) @ placed
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..operators.levels import slid, yielding
+from ..operators.levels import slid_together, yielding
 from .generalised import as_seen, stops_along
 from .kinds import KINDS
 from .motion import Motion
@@ -26,10 +27,9 @@ def given_way(parameters: Mapping[str, Any], motion: Motion, gain: Floats) -> Fl
     """
     motion, level = as_seen(parameters, motion), 1.0 + gain
     thresholds, lengths = np.asarray(parameters["thresholds"]), np.asarray(parameters["lengths"])
-    held = np.zeros(motion.x.size)
-    for threshold, weight in zip(thresholds, stops_along(parameters, motion.x).T, strict=True):
-        if np.any(weight):
-            held += weight * threshold * motion.from_rest(slid, level, length=threshold)
+    weights = stops_along(parameters, motion.x)
+    seen = np.any(weights, axis=0)
+    held = motion.from_rest(functools.partial(slid_together, lengths=thresholds[seen]), level, weights[:, seen])
     for length, weight in zip(lengths, np.asarray(parameters["weights"])[thresholds.size :], strict=True):
         if weight:
             held += weight * length * motion.from_rest(yielding, level, length=length)

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["CONSTANT", "attracted", "elastoplastic", "slid", "yielding"]
+__all__ = ["CONSTANT", "attracted", "elastoplastic", "slid", "slid_together", "yielding"]
 
 Floats = NDArray[np.float64]
 CONSTANT = np.empty(0)
@@ -77,6 +77,19 @@ def _slid(x, level, length, out):
 
 
 @njit(cache=True)
+def _slid_together(x, level, weights, lengths, out):
+    stretch = np.zeros(lengths.size)
+    out[0] = 0.0
+    for i in range(1, x.size):
+        total, moved, high = 0.0, x[i] - x[i - 1], level[i]
+        for j in range(lengths.size):
+            most = high * lengths[j]
+            stretch[j] = min(max(stretch[j] + moved, -most), most)
+            total += weights[i, j] * stretch[j]
+        out[i] = total
+
+
+@njit(cache=True)
 def _attracted(time, x, level, length, settling, sudden, out):
     f, way, sticks = 0.0, 0.0, True
     out[0] = 0.0
@@ -128,6 +141,14 @@ def slid(x: Floats, level: Floats, length: float) -> Floats:
     """Spring of stiffness 1/``length`` over ``x`` (n,) whose slider gives way at ``level`` (n,), shape (n,)."""
     out = np.zeros(x.size)
     _slid(np.ascontiguousarray(x), np.ascontiguousarray(level), float(length), out)
+    return out
+
+
+def slid_together(x: Floats, level: Floats, weights: Floats, lengths: Floats) -> Floats:
+    """Torque of many of these of ``lengths`` (k,), whose stiffness is ``weights`` (n, k) on the way, shape (n,)."""
+    out = np.empty(x.size)
+    x, level, weights = np.ascontiguousarray(x), np.ascontiguousarray(level), np.ascontiguousarray(weights)
+    _slid_together(x, level, weights, np.ascontiguousarray(lengths), out)
     return out
 
 
