@@ -422,30 +422,32 @@ def _stiffened(scene: Scene, gain: Floats) -> Floats:
 
 
 def _about(laws: Columns, part: Part) -> ColumnsAbout:
-    """Columns of a part that changes by ``laws`` (n, k): what goes beyond the linear they share as they make the gain."""
-
-    def columns(scene: Scene, shape: tuple[float, ...], coefficients: Floats) -> Floats:
-        assert part.changed is not None
-        relative, slope = laws(scene, shape), part.of(scene)
-        makes = coefficients * np.mean(np.square(relative), axis=0)
-        made = relative * slope[:, None]
-        whole = float(coefficients @ makes)
-        if whole > 0.0:
-            beyond = part.changed(scene, relative @ coefficients) - made @ coefficients
-            made += beyond[:, None] * (makes / whole)
-        return made
-
-    return columns
+    """Columns of a part that changes by ``laws`` (n, k)."""
+    return lambda scene, shape, coefficients: _columns_about(scene, part, laws(scene, shape), coefficients)
 
 
 def _about_second(laws: Columns, first: Part, second: Part) -> ColumnsAbout:
-    """Columns of two parts that change by ``laws`` (n, 1), the second of them as :func:`_about` has it."""
-    about = _about(laws, second)
+    """Columns of two parts that change by ``laws`` (n, 1), of which the second's change is not linear."""
 
     def columns(scene: Scene, shape: tuple[float, ...], coefficients: Floats) -> Floats:
-        return np.hstack([laws(scene, shape) * first.of(scene)[:, None], about(scene, shape, coefficients[1:])])
+        relative = laws(scene, shape)
+        return np.hstack([
+            relative * first.of(scene)[:, None], _columns_about(scene, second, relative, coefficients[1:]),
+        ])  # fmt: skip
 
     return columns
+
+
+def _columns_about(scene: Scene, part: Part, relative: Floats, coefficients: Floats) -> Floats:
+    """Columns of a part that changes by ``relative`` (n, k): what goes beyond the linear they share as they make the gain."""
+    assert part.changed is not None
+    makes = coefficients * np.mean(np.square(relative), axis=0)
+    made = relative * part.of(scene)[:, None]
+    whole = float(coefficients @ makes)
+    if whole > 0.0:
+        beyond = part.changed(scene, relative @ coefficients) - made @ coefficients
+        made += beyond[:, None] * (makes / whole)
+    return made
 
 
 def by_strength(share: Columns) -> tuple[Columns, ColumnsAbout]:

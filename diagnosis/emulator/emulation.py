@@ -189,10 +189,10 @@ class SimulatorScene:
         """
         motion, gain = motion_of(self.signals), np.maximum(gain, HARDLY_ANY)
         usual = self._once("given way", lambda: given_way(self.emulator.split, motion, np.zeros_like(gain)))
-        return given_way(self.emulator.split, motion, gain) - usual + gain * self._about(gain)
+        return given_way(self.emulator.split, motion, gain) - usual + gain * self._rest_about(gain)
 
-    def _about(self, gain: Floats) -> Floats:
-        """Change of that rest over a relative ``gain`` (n,) of its strength that it has throughout, N·m, shape (n,)."""
+    def _rest_about(self, gain: Floats) -> Floats:
+        """Change of what :func:`given_way` is not over a relative ``gain`` (n,) of its strength that it has throughout, N·m, shape (n,)."""
         at = np.clip(np.log1p(gain), *np.log1p(GAINS)) / GAIN_STEP
         below = np.floor(at).astype(np.intp)
         first, last = int(below.min()), int(below.max()) + 1
@@ -203,9 +203,10 @@ class SimulatorScene:
 
     def _rest_at(self, k: int) -> Floats:
         """The same over a gain of ``k`` steps."""
-        rest, gain = without_given_way(self.emulator.split), float(np.expm1(k * GAIN_STEP))
+        gain = float(np.expm1(k * GAIN_STEP))
 
         def change() -> Floats:
+            rest = without_given_way(self.emulator.split)
             return self._stronger(gain, rest) / gain if k else self._slope(rest)
 
         return self._once(f"strength of the rest, {k}", change)

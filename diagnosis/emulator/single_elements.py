@@ -15,7 +15,7 @@ from scipy.special import expit
 from ...models.dahl import friction
 from ..operators.chambers import chamber
 from ..operators.kernels import kernel
-from ..operators.levels import CONSTANT, attracted, elastoplastic, yielding
+from ..operators.levels import attracted, elastoplastic, yielding
 from ..operators.magnetic import magnetised
 from ..operators.memory import bristle, enveloped, hyperbolic, lagged, lowpass, plays
 from ..operators.superelastic import superelastic
@@ -107,17 +107,16 @@ def leaves(
     growth: float,
     place: float = 0.0,
     hardening: float = 0.0,
-    level: Floats = CONSTANT,
+    level: Floats | float = 1.0,
 ) -> Floats:
     """Friction between leaves, which are pressed together the more the farther they are bent, or by a spring that hardens.
 
     It is ``level`` (n,) times as strong.
     """
-
-    def rubbed(x: Floats, *level: Floats) -> Floats:
-        return enveloped(x, length, back, growth, place, hardening, *level)
-
-    return length * motion.from_rest(rubbed, *([level] if level.size else []))
+    along = np.broadcast_to(level, motion.x.shape)
+    return length * motion.from_rest(
+        enveloped, along, length=length, back=back, growth=growth, place=place, hardening=hardening
+    )
 
 
 def capstan(motion: Motion, length: float, exponent: float, wrap: float, growth: float) -> Floats:

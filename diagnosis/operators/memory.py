@@ -67,8 +67,7 @@ def _enveloped(x, level, length, back, growth, place, hardening, out):
         towards, over = (1.0, length) if moved > 0.0 else (-1.0, length * back)
         # What the spring of a load that is nil at ``place`` has there, over its stiffness.
         towards *= 1.0 + growth * abs((x[i] - place) * (1.0 + hardening * (x[i] * (x[i] + place) + place * place)))
-        if level.size:
-            towards, over = towards * level[i], over * level[i]
+        towards, over = towards * level[i], over * level[i]
         f = towards + (f - towards) * np.exp(-abs(moved) / over)
         out[i] = f
 
@@ -358,13 +357,7 @@ def bristle(x: Floats, length: float) -> Floats:
 
 
 def enveloped(
-    x: Floats,
-    length: float,
-    back: float,
-    growth: float,
-    place: float = 0.0,
-    hardening: float = 0.0,
-    level: Floats = CONSTANT,
+    x: Floats, level: Floats, length: float, back: float, growth: float, place: float = 0.0, hardening: float = 0.0
 ) -> Floats:
     """A bristle between envelopes ±``level`` (n,) (1 + ``growth`` |x|) over ``x`` (n,), rad, from rest, shape (n,).
 
