@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from hystbench.datasets.recording_files import read_recording, write_recording
 from hystbench.diagnosis import registry
 from hystbench.diagnosis.diagnosis import NEAREST, diagnose
 from hystbench.diagnosis.emulator.emulation import emulate
+from hystbench.diagnosis.emulator.generalised import Generalised
 from hystbench.diagnosis.recording.signals import COORDINATES, Signals
 from hystbench.diagnosis.result import Diagnosis
 from hystbench.diagnosis.wording import summary
@@ -151,6 +153,23 @@ def test_a_diagnosis_takes_one_thread_and_gives_back_what_there_were(monkeypatch
         diagnose(signals(viscous))
         assert threads() == {2}
     assert seen == {1}
+
+
+def test_a_simulator_is_emulated_once_until_it_says_something_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+
+    def emulated(seen: Signals, **more: Any) -> Generalised:
+        asked.append(seen)
+        return Generalised(seen, **more)
+
+    monkeypatch.setattr("hystbench.diagnosis.emulator.emulation.Generalised", emulated)
+    usual = signals(viscous)
+    # Of a size that no other test asks about.
+    for number, of in enumerate((1.03 * usual.y_sim, 1.04 * usual.y_sim), start=1):
+        for real in (usual.y_real, usual.y_real + 0.1):
+            found = emulate(replace(usual, y_real=real, y_sim=of), None)
+            assert np.std(found.predict(usual.x) - of) < 0.01 * np.std(of)
+        assert len(asked) == number
 
 
 def test_a_simulator_that_copies_the_recording_leaves_no_gap() -> None:

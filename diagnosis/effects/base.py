@@ -412,7 +412,7 @@ FOUND_SPRING_EQUATION = f"{FOUND_SPRING[0]} * x + {FOUND_SPRING[1]} * x**3"
 def odd_spring(scene: Scene) -> Floats:
     """Columns of these, shape (n, 2)."""
     x = scene.signals.smooth_x
-    return np.column_stack([x, x**3])
+    return np.column_stack([x, x * x * x])
 
 
 def _stiffened(scene: Scene, gain: Floats) -> Floats:

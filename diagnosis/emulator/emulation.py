@@ -11,11 +11,13 @@ loop width, scale of the deflection, rates), in which it differs only if it is b
 
 from __future__ import annotations
 
+import functools
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
+import joblib
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,7 +35,7 @@ from .generalised import (
     spring_of,
     strengthened,
 )
-from .giving_way import given_way, without_given_way
+from .giving_way import GivingWay, without_given_way
 from .kinds import KINDS
 
 __all__ = ["GENERALISED", "AskingScene", "Emulator", "SimulatorScene", "answers_of", "emulate"]
@@ -45,8 +47,8 @@ GENERALISED = "generalised"
 """Name of the built-in emulator among what rebuilds one."""
 RIVALLED = 0.002
 """Error, as a share of the output, from which they compete."""
-REMEMBERED, PLACES = 48, 4
-"""Effects' columns, and scenes of other deflections, that are kept at a time."""
+REMEMBERED, PLACES, SIMULATORS = 48, 4, 8
+"""Effects' columns, scenes of other deflections, and emulators that are kept at a time."""
 SMALL, GAIN_STEP, GAINS = 0.05, 0.25, (-0.78, 2.5)
 """Relative gain of friction's strength that counts as small, steps of its logarithm at which the change is computed, and between
 which gains."""
@@ -187,12 +189,20 @@ class SimulatorScene:
 
         What does not say how it gives way at a level that changes is where it would be with that strength throughout.
         """
-        motion, gain = motion_of(self.signals), np.maximum(gain, HARDLY_ANY)
-        usual = self._once("given way", lambda: given_way(self.emulator.split, motion, np.zeros_like(gain)))
-        return given_way(self.emulator.split, motion, gain) - usual + gain * self._rest_about(gain)
+        gain = np.maximum(gain, HARDLY_ANY)
+        giving = self._once("what gives way", lambda: GivingWay(self.emulator.split, motion_of(self.signals)))
+        rest = self._rest
+        if not rest["further"] and not np.any(rest["rates"]):
+            return np.asarray(giving.change(gain))
+        return np.asarray(giving.change(gain) + gain * self._rest_about(gain))
+
+    @property
+    def _rest(self) -> Mapping[str, Any]:
+        """The emulator without what gives way."""
+        return self._once("the rest", lambda: without_given_way(self.emulator.split))
 
     def _rest_about(self, gain: Floats) -> Floats:
-        """Change of what :func:`given_way` is not over a relative ``gain`` (n,) of its strength that it has throughout, N·m, shape (n,)."""
+        """Change of that over a relative ``gain`` (n,) of its strength that it has throughout, N·m, shape (n,)."""
         at = np.clip(np.log1p(gain), *np.log1p(GAINS)) / GAIN_STEP
         below = np.floor(at).astype(np.intp)
         first, last = int(below.min()), int(below.max()) + 1
@@ -206,8 +216,7 @@ class SimulatorScene:
         gain = float(np.expm1(k * GAIN_STEP))
 
         def change() -> Floats:
-            rest = without_given_way(self.emulator.split)
-            return self._stronger(gain, rest) / gain if k else self._slope(rest)
+            return self._stronger(gain, self._rest) / gain if k else self._slope(self._rest)
 
         return self._once(f"strength of the rest, {k}", change)
 
@@ -297,11 +306,31 @@ class AskingScene(SimulatorScene):
 
 
 def emulate(signals: Signals, model: Any | None) -> Emulator:
-    """Identify the emulator; ``model`` is the simulator itself where it is at hand."""
+    """Identify the emulator; ``model`` is the simulator itself where it is at hand.
+
+    The last few are remembered: the same simulator is often asked about with other effects, or beside another recorded torque.
+    """
+    if model is None:
+        told = signals.time, signals.x, signals.y_sim, signals.recorded, list(signals.runs), signals.timed
+        return _identified(_Simulated(joblib.hash(told), signals))
     # A model at hand answers for its memory itself.
-    own = Generalised(signals, anywhere=model is None)
-    if model is not None:
-        return _of_model(model, signals, *own.tangent(), own.parameters())
+    own = Generalised(signals, anywhere=False)
+    return _of_model(model, signals, *own.tangent(), own.parameters())
+
+
+@dataclass(frozen=True)
+class _Simulated:
+    """A simulator's output along a motion, the same where its ``content`` is."""
+
+    content: str
+    signals: Signals = field(compare=False)
+
+
+@functools.lru_cache(maxsize=SIMULATORS)
+def _identified(simulated: _Simulated) -> Emulator:
+    """The emulator of a simulator of which only the output is known."""
+    signals = simulated.signals
+    own = Generalised(signals)
     best = Emulator(
         "generalised Prandtl-Ishlinskii" + (f" with {', '.join(own.further)}" if own.further else ""),
         own.error,

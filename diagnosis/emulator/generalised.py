@@ -500,7 +500,7 @@ def stops_along(parameters: Mapping[str, Any], x: Floats) -> Floats:
 
 def _weights(u: Floats) -> tuple[Floats, ...]:
     """How an element's torque may depend on its place, ``PLACES`` of them."""
-    return u, u * u, np.abs(u), u**3
+    return u, u * u, np.abs(u), u * u * u
 
 
 def _rates(speed: Floats, acceleration: Floats, fast: float) -> Floats:

@@ -114,14 +114,15 @@ class Motion:
 
         It is asked for the path and ``others`` (n,) along it.
         """
-        answers = []
-        for run, way in zip(self.runs, self._ways, strict=True):
-            along = [np.concatenate([other[run][:1], other[run]]) for other in others]
-            answers.append(answer(way, *along, **sizes)[1:])
-        return np.concatenate(answers)
+        along = zip(self.ways, *map(self.along, others), strict=True)
+        return np.concatenate([answer(*each, **sizes)[1:] for each in along])
+
+    def along(self, series: Floats) -> list[Floats]:
+        """What a ``series`` (n, ...) is on each of the :attr:`ways`: at zero what it is where the run begins."""
+        return [np.concatenate([series[run][:1], series[run]]) for run in self.runs]
 
     @functools.cached_property
-    def _ways(self) -> list[Floats]:
+    def ways(self) -> list[Floats]:
         """The path of each run from zero on."""
         return [np.concatenate([[0.0], self.path[run]]) for run in self.runs]
 

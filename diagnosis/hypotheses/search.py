@@ -19,7 +19,7 @@ __all__ = ["NOTHING", "Library", "search", "successors"]
 Floats = NDArray[np.float64]
 ALONE, ALIKE = 18, 4
 """Laws with shapes to move that are refined alone, and how many laws of one effect are."""
-FAR = 1.0
+FAR = 0.5
 """Evidence a sample by which an effect alone may fall behind another for its further laws to be tried."""
 NEAR = 0.2
 """The same where that other leaves nothing, and of a pair beside an exact simulator behind what a refitted one makes: then laws matter
@@ -257,7 +257,7 @@ def search(library: Library, wide: int = 9, most: int = 3) -> list[Hypothesis]:
         found += [fitted for fitted, _ in ordered]
         if size > 1 and ordered[0][0].score - best_of_smaller < HOPEFUL * evidence.effective:
             break
-        if size == 1 and (_leaves_nothing(evidence, found[0]) or _leaves_nothing(evidence, ordered[0][0])):
+        if _leaves_nothing(evidence, ordered[0][0]) or (size == 1 and _leaves_nothing(evidence, found[0])):
             break
         best_of_smaller = ordered[0][0].score
         if size < most:

@@ -13,8 +13,9 @@ SUBSTEPS = 4
 """Steps of a mass between two samples."""
 STIFFEST = 1.8
 """Frequency of a mass that swings, over that of its steps, up to which these are stable, and a little to spare."""
-NEWTON = 20
-"""Steps at most to the speed at which friction that follows it holds a mass."""
+NEWTON, CLOSE = 20, 1e-4
+"""Steps at most to the speed at which friction that follows it holds a mass, and how small one is, over the speed's scale, with which
+it is there."""
 
 
 @njit(cache=True)
@@ -103,16 +104,19 @@ def _sliding(time, x, level, frequency, damping, creep, late, early, share, uppe
 
 
 @njit(cache=True)
-def _rubbed(pushed, stuck, kept, width):
-    # The speed amid a step at which what pushes is spent on the mass and on friction that follows the speed. From rest on
-    # Newton's steps never pass it.
-    speed = 0.0
+def _rubbed(pushed, stuck, kept, steep, before):
+    # The speed amid a step at which what pushes is spent on the mass and on friction that follows the speed. Newton's steps
+    # never pass it on the way from rest, and from beyond it the first one falls short of it.
+    speed = before if before * pushed > 0.0 else 0.0
     for _ in range(NEWTON):
-        grip = np.tanh(speed / width)
-        further = (pushed - kept * speed - stuck * grip) / (kept + stuck * (1.0 - grip * grip) / width)
+        grip = np.tanh(speed * steep)
+        further = (pushed - kept * speed - stuck * grip) / (kept + stuck * steep * (1.0 - grip * grip))
         speed += further
-        if abs(further) < 1e-6 * width:
+        # What is left after so small a step is its square.
+        if abs(further) * steep < CLOSE:
             break
+        if speed * pushed <= 0.0:
+            speed = 0.0
     return speed
 
 
@@ -124,7 +128,7 @@ def _hardened(twist, hardening):
 @njit(cache=True)
 def _held_by_load(time, x, friction, frequency, damping, width, after, hardening, late, excess, pace, by_speed, out):
     place, speed, z = 0.0, 0.0, 0.0
-    pull, drag = frequency * frequency, 2.0 * damping * frequency
+    pull, drag, steep = frequency * frequency, 2.0 * damping * frequency, 1.0 / width
     out[0] = 0.0
     for i in range(1, x.size):
         dt = time[i] - time[i - 1]
@@ -138,6 +142,7 @@ def _held_by_load(time, x, friction, frequency, damping, width, after, hardening
         h = dt / SUBSTEPS
         step = (x[i] - x[i - 1]) / SUBSTEPS
         drawn, damped = late * step / h, h * (drag + pull * late)
+        bent = 0.5 * h * steep
         for k in range(SUBSTEPS):
             twist = x[i - 1] + step * (k + 0.5) - place
             force = _hardened(twist, hardening) - after * place + drawn
@@ -145,19 +150,21 @@ def _held_by_load(time, x, friction, frequency, damping, width, after, hardening
             mass = 2.0 * max(1.0, 0.5 * h * h * pull * (1.0 + after + 3.0 * hardening * twist * twist))
             kept = mass + damped
             pushed, stuck = mass * speed + h * pull * force, h * pull * friction
-            middle = speed
+            middle, turned = speed, 1.0
             # The rule of trapezoids, with the friction of the speed amid the step.
             for _ in range(2):
                 level = 1.0 + excess * np.exp(-middle * middle / (pace * pace)) if excess > 0.0 else 1.0
                 if by_speed:
-                    middle = _rubbed(pushed, stuck * level, kept, width)
+                    middle = _rubbed(pushed, stuck * level, kept, steep, middle)
                     if excess <= 0.0:
                         break
                 else:
-                    given = 1.0 / (1.0 + 0.5 * h * abs(middle) / (width * level))
-                    middle = (pushed - stuck * z * given) / (kept + stuck * given * 0.5 * h / width)
+                    # The bristle is known by the speed, so that one division tells both.
+                    turning = bent / level if excess > 0.0 else bent
+                    turned = 1.0 + turning * abs(middle)
+                    middle = (pushed * turned - stuck * z) / (kept * turned + stuck * bent)
             if not by_speed:
-                z = 2.0 * (z + 0.5 * h * middle / width) * given - z
+                z = 2.0 * (z + bent * middle) / turned - z
             speed = 2.0 * middle - speed
             place += h * speed
         twist = x[i] - (place - 0.5 * h * speed)
