@@ -8,19 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import (
-    PRESLIDING,
-    DirectionLaw,
-    Effect,
-    Floats,
-    Form,
-    Parameter,
-    Scene,
-    at_either_end,
-    between_ends,
-    direction_laws,
-    overdone_friction,
-)
+from .base import Effect, Floats, Form, Parameter, Scene, at_either_end, between_ends
+from .directions import PRESLIDING, DirectionLaw, direction_laws, overdone_friction
 
 __all__ = ["CoulombFriction"]
 

@@ -8,19 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import (
-    EXACT_PARTS,
-    TRAVEL,
-    Columns,
-    Effect,
-    Floats,
-    Form,
-    Parameter,
-    Scene,
-    geometric,
-    inside,
-    unlike,
-)
+from .base import TRAVEL, Columns, Effect, Floats, Form, Parameter, Scene, geometric
+from .parts import EXACT_PARTS, inside, unlike
 
 __all__ = ["CyclicSoftening"]
 

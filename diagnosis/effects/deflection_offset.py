@@ -5,19 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import ClassVar
 
-from .base import (
-    INPUT,
-    SETTLING,
-    Effect,
-    Floats,
-    Form,
-    Parameter,
-    Scene,
-    settled,
-    settling_limits,
-    settling_start,
-)
+from .base import INPUT, Effect, Floats, Form, Parameter, Scene
 from .images import is_one_sided_stiffness, is_uniform
+from .settling import SETTLING, settled, settling_limits, settling_start
 
 __all__ = ["DeflectionOffset"]
 

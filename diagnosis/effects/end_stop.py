@@ -8,7 +8,8 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from .base import PRESLIDING, Columns, DirectionLaw, Effect, Floats, Form, Parameter, Scene, direction_laws
+from .base import Columns, Effect, Floats, Form, Parameter, Scene
+from .directions import PRESLIDING, DirectionLaw, direction_laws
 from .images import is_one_sided_stiffness
 
 __all__ = ["EndStop"]

@@ -9,27 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from ..operators.levels import slid, yielding
-from .base import (
-    BOTH,
-    FOUND_SPRING,
-    FOUND_SPRING_EQUATION,
-    LOW,
-    NOT,
-    PARTS,
-    PRESLIDING,
-    Columns,
-    DirectionLaw,
-    Effect,
-    Floats,
-    Form,
-    Parameter,
-    Part,
-    Scene,
-    by_strength,
-    direction_laws,
-    odd_spring,
-    overdone_friction,
-)
+from .base import BOTH, LOW, NOT, Columns, Effect, Floats, Form, Parameter, Scene
+from .directions import PRESLIDING, DirectionLaw, direction_laws, overdone_friction
+from .parts import FOUND_SPRING, FOUND_SPRING_EQUATION, PARTS, Part, by_strength, odd_spring
 
 __all__ = ["LoadDependentFriction"]
 BARELY = 1e-9

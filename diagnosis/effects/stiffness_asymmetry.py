@@ -7,22 +7,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import (
-    BOTH,
-    FOUND_SPRING,
-    FOUND_SPRING_EQUATION,
-    NOT,
-    PARTS,
-    Columns,
-    Effect,
-    Floats,
-    Form,
-    Parameter,
-    Part,
-    Scene,
-    odd_spring,
-)
+from .base import BOTH, NOT, Columns, Effect, Floats, Form, Parameter, Scene
 from .images import is_shifted_spring
+from .parts import FOUND_SPRING, FOUND_SPRING_EQUATION, PARTS, Part, odd_spring
 
 __all__ = ["StiffnessAsymmetry"]
 

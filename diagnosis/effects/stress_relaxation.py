@@ -8,24 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import (
-    BOTH,
-    FOUND_SPRING,
-    FOUND_SPRING_EQUATION,
-    HIGH,
-    LOW,
-    NOT,
-    PARTS,
-    Columns,
-    Effect,
-    Floats,
-    Form,
-    Parameter,
-    Part,
-    Scene,
-    geometric,
-    odd_spring,
-)
+from .base import BOTH, HIGH, LOW, NOT, Columns, Effect, Floats, Form, Parameter, Scene, geometric
+from .parts import FOUND_SPRING, FOUND_SPRING_EQUATION, PARTS, Part, odd_spring
 
 __all__ = ["StressRelaxation"]
 

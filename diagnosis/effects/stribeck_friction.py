@@ -9,21 +9,10 @@ import numpy as np
 
 from ..operators.levels import yielding
 from ..recording.noise import rms
-from .base import (
-    LOW,
-    NOT,
-    PRESLIDING,
-    Columns,
-    DirectionLaw,
-    Effect,
-    Floats,
-    Form,
-    Parameter,
-    Scene,
-    by_strength,
-    direction_laws,
-)
+from .base import LOW, NOT, Columns, Effect, Floats, Form, Parameter, Scene
+from .directions import PRESLIDING, DirectionLaw, direction_laws
 from .images import is_constant_friction
+from .parts import by_strength
 
 __all__ = ["StribeckFriction"]
 

@@ -8,21 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import (
-    ELAPSED,
-    LOW,
-    PARTS,
-    Columns,
-    Effect,
-    Floats,
-    Form,
-    Parameter,
-    Scene,
-    geometric,
-    inside,
-    times,
-    unlike,
-)
+from .base import ELAPSED, LOW, Columns, Effect, Floats, Form, Parameter, Scene, geometric
+from .parts import PARTS, inside, times, unlike
 
 __all__ = ["ThermalDrift"]
 

@@ -7,21 +7,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from .base import (
-    HIGH,
-    NOT,
-    SENSOR,
-    SETTLING,
-    Effect,
-    Floats,
-    Form,
-    Parameter,
-    Scene,
-    settled,
-    settling_limits,
-    settling_start,
-)
+from .base import HIGH, NOT, SENSOR, Effect, Floats, Form, Parameter, Scene
 from .images import is_shifted_spring, is_uniform
+from .settling import SETTLING, settled, settling_limits, settling_start
 
 __all__ = ["TorqueOffset"]
 
