@@ -30,7 +30,7 @@ ROWS = 1400
 """Samples that are enough to place elements by."""
 RIDGE = 1e-8
 """Strength of the ridge on the columns beside them."""
-HOPELESS, COSTLY, HIDDEN = 0.97, 0.95, 0.85
+HOPELESS, COSTLY, HIDDEN = 0.97, 0.95, 0.9
 """What the best element to choose from leaves of the error where moving it is not worth the time; of the first of those that know
 time, and of kinds that would be evident."""
 EVIDENTLY = 0.65

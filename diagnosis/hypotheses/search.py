@@ -19,7 +19,7 @@ __all__ = ["NOTHING", "Library", "search", "successors"]
 Floats = NDArray[np.float64]
 ALONE, ALIKE = 18, 4
 """Laws with shapes to move that are refined alone, and how many laws of one effect are."""
-FAR = 0.5
+FAR = 1.0
 """Evidence a sample by which an effect alone may fall behind another for its further laws to be tried."""
 NEAR = 0.2
 """The same where that other leaves nothing, and of a pair beside an exact simulator behind what a refitted one makes: then laws matter
