@@ -52,7 +52,7 @@ Floats = NDArray[np.float64]
 
 SECONDS = 30.0
 """Of a recording that tells most of the joints."""
-LONGER = {name: 45.0 for name in ("looked up", "phase-changing", "antagonists")}
+LONGER = dict.fromkeys(("looked up", "phase-changing", "antagonists"), 45.0)
 """Of those with more to tell."""
 
 
