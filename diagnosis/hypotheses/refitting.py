@@ -126,38 +126,60 @@ def _best_on_input(effect: Effect, signals: Signals, model: Any, first: _Refit) 
     and asks for next to none.
     """
     laws = (f for f in effect.forms(first.scene) if len(f.shapes) == 1 and tuple(f.lower) == (1.0,) and f.grid)
-    made = [found for found in (_best_beside(law, signals, model, first) for law in laws) if found is not None]
-    return min(made, key=lambda refit: refit.left, default=None)
+    begun = [found for found in (_from_small_to_large(law, signals, model, first) for law in laws) if found is not None]
+    # A fit takes its time: only of the best law other sizes are tried than those it starts from.
+    return _between(min(begun, key=lambda each: each.best.left), signals, model) if begun else None
 
 
-def _best_beside(law: Form, signals: Signals, model: Any, first: _Refit) -> _Refit | None:
-    """The model fitted beside the best size of one law; None if none is better than no effect."""
+@dataclass(frozen=True)
+class _Sized:
+    """A law of one size, the model fitted beside the best of those it starts from, and the sizes next to that."""
+
+    law: Form
+    best: _Refit
+    neighbours: tuple[float, float]
+
+
+def _from_small_to_large(law: Form, signals: Signals, model: Any, first: _Refit) -> _Sized | None:
+    """A law with the best of the sizes it starts from, as far as the model fits better and better; None if none is better than no
+    effect.
+    """
     sizes = [shape[0] for shape in law.grid[:: -(-len(law.grid) // SIZES)]]
-    tried: dict[float, _Refit] = {}
-    last = first
+    best, at = first, 0
+    for k, size in enumerate(sizes):
+        found = _beside(law, size, signals, model, best)
+        if found is None or found.left >= best.left:
+            break
+        best, at = found, k
+    if best is first:
+        return None
+    low, high = sorted((sizes[max(at - 1, 0)], sizes[min(at + 1, len(sizes) - 1)]))
+    return _Sized(law, best, (low, high))
+
+
+def _between(begun: _Sized, signals: Signals, model: Any) -> _Refit:
+    """The model fitted beside the best size between neighbours."""
+    tried = [begun.best]
 
     def left(size: float) -> float:
-        # Where the effect acts may depend on the torque: the model fitted beside a smaller one tells it.
-        emulator = last.scene.emulator
-        scene = AskingScene(signals, emulator, base=last.scene.torque)
-        law.columns(scene, (size,))
-        found = None if scene.asked is None else _again(signals, model, emulator, scene.asked, signals.y_real)
+        found = _beside(begun.law, size, signals, model, begun.best)
         if found is None:
             return np.inf
-        tried[size] = found
+        tried.append(found)
         return found.left
 
-    for size in sizes:
-        # A fit takes its time: from small to large, until it gets worse.
-        if left(size) >= last.left:
-            break
-        last = tried[size]
-    if last is first:
-        return None
-    k = next(k for k, size in enumerate(sizes) if tried[size] is last)
-    low, high = sorted((sizes[max(k - 1, 0)], sizes[min(k + 1, len(sizes) - 1)]))
-    minimize_scalar(left, bounds=(low, high), method="bounded", options={"maxiter": STEPS})
-    return min(tried.values(), key=lambda refit: refit.left)
+    minimize_scalar(left, bounds=begun.neighbours, method="bounded", options={"maxiter": STEPS})
+    return min(tried, key=lambda refit: refit.left)
+
+
+def _beside(law: Form, size: float, signals: Signals, model: Any, last: _Refit) -> _Refit | None:
+    """The model fitted to the deflection that a law of this size leaves; None where it cannot be.
+
+    Where the effect acts may depend on the torque: the model that was fitted ``last``, beside a smaller one, tells it.
+    """
+    scene = AskingScene(signals, last.scene.emulator, base=last.scene.torque)
+    law.columns(scene, (size,))
+    return None if scene.asked is None else _again(signals, model, last.scene.emulator, scene.asked, signals.y_real)
 
 
 def _best_alone(effect: Effect, scene: SimulatorScene) -> Floats | None:
