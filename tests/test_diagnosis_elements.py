@@ -50,13 +50,11 @@ from hystbench.errors import InputError
 Floats = NDArray[np.float64]
 
 
-SECONDS = 30.0
-"""Of a recording that tells most of the joints."""
-LONGER = dict.fromkeys(("looked up", "phase-changing", "antagonists"), 45.0)
-"""Of those with more to tell."""
+SECONDS = dict.fromkeys(JOINTS, 30.0) | dict.fromkeys(("looked up", "phase-changing", "antagonists"), 45.0)
+"""Of a recording that tells each of the joints."""
 
 
-def recorded(joint: Joint, real: Joint | None = None, seconds: float = SECONDS) -> Signals:
+def recorded(joint: Joint, real: Joint | None = None, seconds: float = 30.0) -> Signals:
     time, x = motion(seconds, 0.0, 1.0, 2.0)
     y = joint(time, x)
     noise = 0.002 * np.std(y) * np.random.default_rng(5).standard_normal(x.size)
@@ -74,7 +72,7 @@ def begun_late(joint: Joint, before: float) -> Signals:
 def told_of_errors(name: str) -> tuple[list[str], Mapping[str, Any]]:
     """The verdict on a joint whose simulator is off by a few per cent, and the parameters of the emulator."""
     joint, _ = JOINTS[name]
-    found = diagnose(recorded(joint, lambda time, x: joint(time, x, 0.04), LONGER.get(name, SECONDS)))
+    found = diagnose(recorded(joint, lambda time, x: joint(time, x, 0.04), SECONDS[name]))
     return found.verdict, found.evidence.scene.emulator.split
 
 
@@ -91,7 +89,7 @@ def test_answers_another_motion_as_the_simulator_would(name: str, monkeypatch: p
 
     emulator = told_of_errors(name)[1]
     monkeypatch.setattr(generalised, "EMULATED", np.inf)
-    plain = Generalised(recorded(joint, seconds=LONGER.get(name, SECONDS))).parameters()
+    plain = Generalised(recorded(joint, seconds=SECONDS[name])).parameters()
     assert error(emulator) < min(allowed, 0.7 * error(plain))
 
 
@@ -381,7 +379,7 @@ def test_without_a_clock_nothing_is_said_of_how_long_things_take(joint: Joint, k
 
 def test_table_goes_on_as_it_ends() -> None:
     joint, _ = JOINTS["looked up"]
-    signals = recorded(joint, seconds=LONGER["looked up"])
+    signals = recorded(joint, seconds=SECONDS["looked up"])
     found = Generalised(signals)
     assert {SPRING_TABLE, FRICTION_TABLE} <= set(found.further)
     along = motion_of(signals)

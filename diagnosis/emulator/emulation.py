@@ -17,7 +17,6 @@ from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-import joblib
 import numpy as np
 from numpy.typing import NDArray
 
@@ -190,11 +189,13 @@ class SimulatorScene:
         What does not say how it gives way at a level that changes is where it would be with that strength throughout.
         """
         gain = np.maximum(gain, HARDLY_ANY)
-        giving = self._once("what gives way", lambda: GivingWay(self.emulator.split, motion_of(self.signals)))
-        rest = self._rest
-        if not rest["further"] and not np.any(rest["rates"]):
-            return np.asarray(giving.change(gain))
-        return np.asarray(giving.change(gain) + gain * self._rest_about(gain))
+        giving: GivingWay = self._once(
+            "what gives way", lambda: GivingWay(self.emulator.split, motion_of(self.signals))
+        )
+        change, rest = giving.change(gain), self._rest
+        if rest["further"] or np.any(rest["rates"]):
+            change += gain * self._rest_about(gain)
+        return change
 
     @property
     def _rest(self) -> Mapping[str, Any]:
@@ -311,8 +312,10 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
     The last few are remembered: the same simulator is often asked about with other effects, or beside another recorded torque.
     """
     if model is None:
-        told = signals.time, signals.x, signals.y_sim, signals.recorded, list(signals.runs), signals.timed
-        return _identified(_Simulated(joblib.hash(told), signals))
+        told = signals.time, signals.x, signals.y_sim, signals.recorded
+        ends = tuple((run.start, run.stop) for run in signals.runs)
+        content = tuple(None if series is None else series.tobytes() for series in told)
+        return _identified(_Simulated((*content, ends, signals.timed), signals))
     # A model at hand answers for its memory itself.
     own = Generalised(signals, anywhere=False)
     return _of_model(model, signals, *own.tangent(), own.parameters())
@@ -322,7 +325,7 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
 class _Simulated:
     """A simulator's output along a motion, the same where its ``content`` is."""
 
-    content: str
+    content: Hashable
     signals: Signals = field(compare=False)
 
 

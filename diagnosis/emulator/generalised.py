@@ -500,6 +500,7 @@ def stops_along(parameters: Mapping[str, Any], x: Floats) -> Floats:
 
 def _weights(u: Floats) -> tuple[Floats, ...]:
     """How an element's torque may depend on its place, ``PLACES`` of them."""
+    # A power takes many times as long as a product.
     return u, u * u, np.abs(u), u * u * u
 
 

@@ -6,11 +6,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["CONSTANT", "attracted", "elastoplastic", "slid", "slid_together", "yielding"]
+__all__ = ["attracted", "elastoplastic", "slid", "slid_together", "yielding"]
 
 Floats = NDArray[np.float64]
-CONSTANT = np.empty(0)
-"""A level that is one all the way."""
 BENT, MOST_PARTS, SLIDING = 0.2, 200, 0.98
 """Way of one step of an elasto-plastic bristle, over what stretches it to one, steps to a sample at most, and the share of its level from
 which it slides."""
@@ -66,14 +64,6 @@ def _elastoplastic(time, x, level, length, breakaway, damping, out):
         out[i] = f
         if damping > 0.0 and dt > 0.0:
             out[i] += damping * _elastic_share(f, moved, most, breakaway) * moved / dt
-
-
-@njit(cache=True)
-def _slid(x, level, length, out):
-    f = 0.0
-    for i in range(1, x.size):
-        f = min(max(f + (x[i] - x[i - 1]) / length, -level[i]), level[i])
-        out[i] = f
 
 
 @njit(cache=True)
@@ -139,9 +129,7 @@ def elastoplastic(
 
 def slid(x: Floats, level: Floats, length: float) -> Floats:
     """Spring of stiffness 1/``length`` over ``x`` (n,) whose slider gives way at ``level`` (n,), shape (n,)."""
-    out = np.zeros(x.size)
-    _slid(np.ascontiguousarray(x), np.ascontiguousarray(level), float(length), out)
-    return out
+    return slid_together(x, level, np.full((x.size, 1), 1.0 / length), np.array([length]))
 
 
 def slid_together(x: Floats, level: Floats, weights: Floats, lengths: Floats) -> Floats:

@@ -6,8 +6,6 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .levels import CONSTANT
-
 __all__ = [
     "bristle",
     "creeping",
@@ -77,9 +75,7 @@ def _pressed(x, level, length, width, power, out):
     f = 0.0
     out[0] = 0.0
     for i in range(1, x.size):
-        limit = length * (1.0 + (abs(x[i]) / width) ** power)
-        if level.size:
-            limit *= level[i]
+        limit = level[i] * length * (1.0 + (abs(x[i]) / width) ** power)
         f = min(max(f + x[i] - x[i - 1], -limit), limit)
         out[i] = f
 
@@ -370,13 +366,13 @@ def enveloped(
     return out
 
 
-def pressed(x: Floats, length: float, width: float, power: float, level: Floats = CONSTANT) -> Floats:
+def pressed(x: Floats, length: float, width: float, power: float, level: Floats | float = 1.0) -> Floats:
     """A stop over ``x`` (n,) from rest that gives way at ``length``, rad, times ``level`` (n,), and later off the middle, shape (n,).
 
     At twice that ``width`` off it, rad, growing with a ``power`` of the deflection: friction that the spring's load presses.
     """
     out = np.empty(x.size)
-    _pressed(np.ascontiguousarray(x), np.ascontiguousarray(level), float(length), float(width), float(power), out)
+    _pressed(np.ascontiguousarray(x), level * np.ones(x.size), float(length), float(width), float(power), out)
     return out
 
 

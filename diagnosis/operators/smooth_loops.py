@@ -10,8 +10,6 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .levels import CONSTANT
-
 __all__ = ["pinched", "smooth"]
 
 Floats = NDArray[np.float64]
@@ -83,7 +81,7 @@ def _along_curve(x, level, length, exponent, share, depth, place, width, out):
     for i in range(1, x.size):
         moved = x[i] - x[i - 1]
         if moved != 0.0:
-            now, high = 1.0 if moved > 0.0 else -1.0, level[i] if level.size else 1.0
+            now, high = 1.0 if moved > 0.0 else -1.0, level[i]
             if now != way or high != most:
                 # What it holds it still holds where its level has changed.
                 q = (q if now == way else -q) * most / high
@@ -103,7 +101,7 @@ def _along_curve(x, level, length, exponent, share, depth, place, width, out):
         out[i] = way * q * length * most
 
 
-def smooth(x: Floats, length: float, exponent: float, share: float, level: Floats = CONSTANT) -> Floats:
+def smooth(x: Floats, length: float, exponent: float, share: float, level: Floats | float = 1.0) -> Floats:
     """Bouc-Wen element of unit stiffness over ``x`` (n,) from rest that saturates at ``length`` times ``level`` (n,), shape (n,).
 
     ``share`` is that of beta in beta + gamma. It is followed to 5e-5 of its length, in a fraction of the
@@ -120,7 +118,7 @@ def pinched(
     depth: float,
     place: float,
     width: float,
-    level: Floats = CONSTANT,
+    level: Floats | float = 1.0,
 ) -> Floats:
     """What :func:`smooth` makes, its stiffness less by the share ``depth`` at ``place`` of ``length`` past zero, shape (n,).
 
@@ -128,5 +126,5 @@ def pinched(
     """
     out = np.empty(x.size)
     sizes = float(length), float(exponent), float(share), float(depth), float(place), float(width)
-    _along_curve(np.ascontiguousarray(x), np.ascontiguousarray(level), *sizes, out)
+    _along_curve(np.ascontiguousarray(x), level * np.ones(x.size), *sizes, out)
     return out
