@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..datasets.recording_files import DEFAULT_TIME, DEFAULT_X, write_recording
-from .emulator.emulation import SimulatorScene, emulate
+from .emulator.emulation import SimulatorScene
 from .hypotheses.evidence import Evidence, Hypothesis, is_refitted, trusted
 from .hypotheses.refinement import refine
 from .names import MISCALIBRATION
@@ -143,14 +143,14 @@ def margins(found: Diagnosis, time: Floats, x: Floats) -> list[float]:
     clearly would not.
     """
     together = found.signals.x.size + x.size
-    share = trusted(together) / together
+    share, known = trusted(together) / together, found.evidence.scene.emulator
+    y_sim = known.anew(x)
     if x.size > MOST_SAMPLES:
         # Every so-manieth sample tells as much of so long a motion.
         step = -(-x.size // MOST_SAMPLES)
-        time, x, share = time[::step], x[::step], share * step
-    y_sim = found.evidence.scene.emulator.anew(x)
+        time, x, y_sim, share = time[::step], x[::step], y_sim[::step], share * step
     blank = Signals(time, x, y_sim, y_sim, [slice(0, x.size)], _as_recorded(found.signals, time))
-    scene = SimulatorScene(blank, emulate(blank, None))
+    scene = SimulatorScene(blank, replace(known.along(blank), error=known.error))
     # What the verdict leaves now will be as correlated then.
     usual = max(SETTLED / found.choice.tempered, SAME_BY_EYE * trusted(together))
     made = []

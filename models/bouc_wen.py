@@ -227,24 +227,27 @@ class BoucWen(HysteresisModel):
         if self.n is not None:
             lower[2], upper[2] = self.n - 1e-12, self.n + 1e-12
         sparse = thinned(scaled, GLOBAL_SAMPLES)
-        points = spread_points(lower, upper, self.starts, self.seed)
-        costs = [_cost(_residuals(point, sparse)) for point in points]
-        best: Any = None
-        # Very different parameters give nearly the same loop: refine the best few, keep the best of them.
-        for k in np.argsort(costs, kind="stable")[:4]:
-            found = least_squares(
-                _residuals, points[k], bounds=(lower, upper), x_scale=(1.0, 0.5, 0.5), ftol=1e-5, args=(sparse,)
-            )
-            if best is None or found.cost < best.cost:
-                best = found
-        if sum(run.x.size for run in scaled) > sum(run.x.size for run in sparse):
-            best = least_squares(_residuals, best.x, bounds=(lower, upper), x_scale=(1.0, 0.5, 0.5), args=(scaled,))
-        else:
-            best = least_squares(
-                _residuals, best.x, bounds=(lower, upper), x_scale=(1.0, 0.5, 0.5), xtol=1e-14, ftol=1e-14, gtol=1e-14,
-                args=(scaled,),
-            )  # fmt: skip
+        start = self._searched(sparse, lower, upper) if self.search_from is None else self.search_from
+        is_thinned = sum(run.x.size for run in scaled) > sum(run.x.size for run in sparse)
+        tolerances: dict[str, Any] = {} if is_thinned else {"xtol": 1e-14, "ftol": 1e-14, "gtol": 1e-14}
+        best = least_squares(
+            _residuals, start, bounds=(lower, upper), x_scale=(1.0, 0.5, 0.5), args=(scaled,), **tolerances
+        )
+        self.search_ended_ = best.x
         return self._physical(best.x, scaled, amplitude, lower, upper)
+
+    def _searched(self, runs: Sequence[Run], lower: Floats, upper: Floats) -> Floats:
+        """The best point of a search everywhere between the bounds, in the search's coordinates."""
+        points = spread_points(lower, upper, self.starts, self.seed)
+        costs = [_cost(_residuals(point, runs)) for point in points]
+        # Very different parameters give nearly the same loop: refine the best few, keep the best of them.
+        found = [
+            least_squares(
+                _residuals, points[k], bounds=(lower, upper), x_scale=(1.0, 0.5, 0.5), ftol=1e-5, args=(runs,)
+            )
+            for k in np.argsort(costs, kind="stable")[:4]
+        ]
+        return np.asarray(min(found, key=lambda result: result.cost).x)
 
     def _physical(
         self, point: Floats, runs: Sequence[Run], amplitude: float, lower: Floats, upper: Floats

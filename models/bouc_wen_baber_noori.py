@@ -200,12 +200,16 @@ class BoucWenBaberNoori(HysteresisModel):
             return np.column_stack([powers(run.x / scale, self.spring_degree), states(point, run)[0]])
 
         free = [False] * (self.spring_degree + 2)
-        point, _ = fit_separable(regressors, runs, *SHAPE_RANGE, free, self.starts, self.seed)
+        near = None if self.search_from is None else self.search_from[: len(SHAPE)]
+        point, _ = fit_separable(regressors, runs, *SHAPE_RANGE, free, self.starts, self.seed, near=near)
         energies = [states(point, run)[1] for run in runs]
         absorbed = max(max(energies), 1e-3) if np.all(np.isfinite(energies)) else 1.0
         lower, upper = (np.concatenate(pair) for pair in zip(SHAPE_RANGE, EXTRAS_RANGE, strict=True))
         guesses = [np.concatenate([point, guess]) for guess in GUESSES]
-        point, found = fit_separable(regressors, runs, lower, upper, free, 0, self.seed, guesses, rounds=10)
+        point, found = fit_separable(
+            regressors, runs, lower, upper, free, 0, self.seed, guesses, rounds=10, near=self.search_from
+        )
+        self.search_ended_ = point
         self._tell(point, lower, upper)
         p = _physical(point, absorbed)
         # Back to the input's units with A = 1: z goes with x, the energy with its square.

@@ -131,7 +131,10 @@ class Dahl(HysteresisModel):
             return np.column_stack([powers(run.x / scale, self.spring_degree), z])
 
         free = [False] * (self.spring_degree + 2)
-        point, found = fit_separable(regressors, runs, LOWER, UPPER, free, self.starts, self.seed)
+        point, found = fit_separable(
+            regressors, runs, LOWER, UPPER, free, self.starts, self.seed, near=self.search_from
+        )
+        self.search_ended_ = point
         if point[0] > UPPER[0] - 1e-3:
             self.notes_.append(
                 "the friction jumps at each turn: the recording does not determine the bristles' stiffness"

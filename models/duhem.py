@@ -127,7 +127,10 @@ class Duhem(HysteresisModel):
             return np.column_stack([powers(u, self.degree), lags])
 
         free = [False] * (self.degree + 1 + unit.size)
-        point, found = fit_separable(regressors, runs, LOWER, UPPER, free, self.starts, self.seed)
+        point, found = fit_separable(
+            regressors, runs, LOWER, UPPER, free, self.starts, self.seed, near=self.search_from
+        )
+        self.search_ended_ = point
         if min(point[0] - LOWER[0], UPPER[0] - point[0]) < 1e-3:
             self.notes_.append("rate is at its bound: this recording does not determine it")
         return {

@@ -165,7 +165,10 @@ class GeneralizedMaxwellSlip(HysteresisModel):
             return np.column_stack([powers(run.x / scale, self.spring_degree), forces])
 
         sign = [False] * (self.spring_degree + 1) + [True] * (self.elements + 1)
-        point, found = fit_separable(regressors, runs, LOWER, UPPER, sign, self.starts, self.seed)
+        point, found = fit_separable(
+            regressors, runs, LOWER, UPPER, sign, self.starts, self.seed, near=self.search_from
+        )
+        self.search_ended_ = point
         for value, low, high, name in zip(
             point, LOWER, UPPER, ("static_ratio", "stribeck_speed", "attraction"), strict=True
         ):

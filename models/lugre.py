@@ -137,7 +137,10 @@ class LuGre(HysteresisModel):
             return np.column_stack([powers(run.x / scale, self.spring_degree), states])
 
         sign = [False] * (self.spring_degree + 1) + [True] * 3
-        point, found = fit_separable(regressors, runs, LOWER, UPPER, sign, self.starts, self.seed)
+        point, found = fit_separable(
+            regressors, runs, LOWER, UPPER, sign, self.starts, self.seed, near=self.search_from
+        )
+        self.search_ended_ = point
         for value, low, high, name in zip(
             point, LOWER, UPPER, ("stiffness / coulomb", "static / coulomb", "stribeck_speed"), strict=True
         ):

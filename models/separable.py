@@ -73,6 +73,7 @@ def fit_separable(
     seed: int,
     guesses: Sequence[Floats] = (),
     rounds: int = 40,
+    near: Floats | None = None,
 ) -> tuple[Floats, Floats]:
     """Nonlinear point and linear coefficients that minimise the squared error of ``regressors(point, run) @ c``.
 
@@ -88,6 +89,8 @@ def fit_separable(
         Points that are refined as well.
     rounds : int
         Evaluations of each refinement at most, those for its derivatives not counted.
+    near : array, optional
+        The only point that is refined, instead of a search.
     """
     low, high, sign = np.array(lower), np.array(upper), np.array(nonnegative)
 
@@ -102,20 +105,23 @@ def fit_separable(
     def errors(point: Floats, data: Sequence[Run]) -> Floats:
         return residuals(point, data)[0]
 
-    few = thinned(runs, SEARCH_SAMPLES)
-    refined = [np.clip(guess, low, high) for guess in guesses]
-    if starts:
-        points = spread_points(low, high, starts, seed)
-        costs = [np.sum(errors(point, few) ** 2) for point in points]
-        refined += [points[k] for k in np.argsort(costs, kind="stable")[:REFINED]]
     spread = 0.25 * (high - low)
-    found = [
-        least_squares(errors, point, bounds=(low, high), x_scale=spread, max_nfev=rounds, args=(few,))
-        for point in refined
-    ]
-    best = min(found, key=lambda result: result.cost)
+
+    def searched() -> Floats:
+        few = thinned(runs, SEARCH_SAMPLES)
+        refined = [np.clip(guess, low, high) for guess in guesses]
+        if starts:
+            points = spread_points(low, high, starts, seed)
+            costs = [np.sum(errors(point, few) ** 2) for point in points]
+            refined += [points[k] for k in np.argsort(costs, kind="stable")[:REFINED]]
+        found = [
+            least_squares(errors, point, bounds=(low, high), x_scale=spread, max_nfev=rounds, args=(few,))
+            for point in refined
+        ]
+        return np.asarray(min(found, key=lambda result: result.cost).x)
+
     best = least_squares(
-        errors, best.x, bounds=(low, high), x_scale=spread, args=(runs,),
+        errors, searched() if near is None else near, bounds=(low, high), x_scale=spread, args=(runs,),
         xtol=1e-12, ftol=1e-12, gtol=1e-14, max_nfev=rounds,
     )  # fmt: skip
     return best.x, residuals(best.x, runs)[1]

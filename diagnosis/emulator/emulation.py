@@ -29,6 +29,8 @@ from .generalised import (
     drag_of,
     motion_beside,
     motion_of,
+    predict_anew,
+    predict_beside,
     predict_generalised,
     relative_error,
     spring_of,
@@ -36,6 +38,7 @@ from .generalised import (
 )
 from .giving_way import GivingWay, without_given_way
 from .kinds import KINDS
+from .tangent import tangent
 
 __all__ = ["GENERALISED", "AskingScene", "Emulator", "SimulatorScene", "answers_of", "emulate"]
 
@@ -91,6 +94,8 @@ class Emulator:
     """Samples (n,), where runs begin, at which the simulator remembers a motion before, if there are any: they say nothing of it."""
     refitted: bool = False
     """Whether ``predict`` is of the simulator fitted again beside an effect on its input, not as it is."""
+    along: Callable[[Signals], Emulator] = lambda signals: emulate(signals, None)
+    """The same of other signals of the simulator, from the virgin state in each of their runs."""
 
     @property
     def unknown(self) -> float:
@@ -317,8 +322,7 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
         content = tuple(None if series is None else series.tobytes() for series in told)
         return _identified(_Simulated((*content, ends, signals.timed), signals))
     # A model at hand answers for its memory itself.
-    own = Generalised(signals, anywhere=False)
-    return _of_model(model, signals, *own.tangent(), own.parameters())
+    return _of_model(model, Generalised(signals, anywhere=False).parameters(), signals)
 
 
 @dataclass(frozen=True)
@@ -334,16 +338,7 @@ def _identified(simulated: _Simulated) -> Emulator:
     """The emulator of a simulator of which only the output is known."""
     signals = simulated.signals
     own = Generalised(signals)
-    best = Emulator(
-        "generalised Prandtl-Ishlinskii" + (f" with {', '.join(own.further)}" if own.further else ""),
-        own.error,
-        own.predict,
-        own.anew,
-        *own.tangent(),
-        {"model": GENERALISED, "parameters": own.parameters()},
-        own.parameters(),
-        None if own.known.all() else ~own.known,
-    )
+    best = replace(_generalised(own.parameters(), own.error, signals), warm_up=None if own.known.all() else ~own.known)
     # Tables follow much that is a law.
     rivalled = own.error > RIVALLED or any(KINDS[name].table for name in own.further)
     for name in COMPETITORS if rivalled else ():
@@ -355,9 +350,24 @@ def _identified(simulated: _Simulated) -> Emulator:
         predict = _from_recorded_start(rival, signals)
         error = relative_error(predict(signals.x)[own.known], signals.y_sim[own.known])
         if error < best.error:
-            described = _of_model(rival, signals, best.structure, best.bulk, best.parts, best.split)
+            described = _of_model(rival, best.split, signals)
             best = replace(described, name=name, error=error, predict=predict, warm_up=best.warm_up)
     return best
+
+
+def _generalised(parameters: Mapping[str, Any], error: float, signals: Signals) -> Emulator:
+    """The built-in emulator with these parameters."""
+    further = parameters["further"]
+    return Emulator(
+        "generalised Prandtl-Ishlinskii" + (f" with {', '.join(further)}" if further else ""),
+        error,
+        functools.partial(predict_beside, parameters, signals),
+        functools.partial(predict_anew, parameters, signals.interval),
+        *tangent(parameters, signals),
+        {"model": GENERALISED, "parameters": parameters},
+        parameters,
+        along=functools.partial(_generalised, parameters, error),
+    )
 
 
 def _from_recorded_start(model: Any, signals: Signals) -> Callable[[Floats], Floats]:
@@ -382,14 +392,13 @@ def answers_of(model: Any, signals: Signals) -> Callable[[Floats], Floats]:
     return predict
 
 
-def _of_model(
-    model: Any, signals: Signals, structure: Floats, bulk: Floats, parts: Floats, split: Mapping[str, Any]
-) -> Emulator:
+def _of_model(model: Any, split: Mapping[str, Any], signals: Signals) -> Emulator:
     def anew(x: Floats) -> Floats:
         time = signals.interval * np.arange(x.size, dtype=np.float64)
         return np.asarray(model.predict(x, **time_argument(model.predict, time)))
 
     described = {"model": model.id, "parameters": dict(model.parameters_), "split": split}
     return Emulator(
-        "the simulator itself", 0.0, answers_of(model, signals), anew, structure, bulk, parts, described, split
-    )
+        "the simulator itself", 0.0, answers_of(model, signals), anew, *tangent(split, signals), described, split,
+        along=functools.partial(_of_model, model, split),
+    )  # fmt: skip

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from ..operators.memory import bristle, plays, weighed
 from ..recording.noise import rms
 from ..recording.signals import Signals, differentiate
-from .elements import drag_among, kinks_moved, strengthened_among, tangents, torque_of, uncancelled
+from .elements import drag_among, kinks_moved, strengthened_among, torque_of
 from .growth import PLACED, RATES, STOPS, TABLED, Growth
-from .kind import ELASTIC, MEMORY
+from .kind import ELASTIC
 from .kinds import KERNELS, KINDS, KINKS
 from .motion import DIFFERENCES, Extent, Motion
 from .placing import Choices
@@ -29,10 +29,16 @@ __all__ = [
     "Generalised",
     "as_seen",
     "drag_of",
+    "elements_of",
     "motion_beside",
     "motion_of",
+    "parts_of",
+    "predict_anew",
+    "predict_beside",
     "predict_generalised",
+    "rates_of",
     "relative_error",
+    "spacing",
     "spring_of",
     "stops_along",
     "strengthened",
@@ -185,7 +191,7 @@ class Generalised:
             return
         start = vars(self).copy()
         motions = {name: self.motion.differenced(name) for name in (SMOOTH, *DIFFERENCES)}
-        elements = _elements(self.motion, self.thresholds, self.lengths)
+        elements = elements_of(self.motion, self.thresholds, self.lengths)
         left = {name: self._left_by_speed(motion, elements) for name, motion in motions.items()}
         others = sorted(DIFFERENCES, key=left.__getitem__)
         first = others[0] if left[others[0]] < CLEARLY * left[SMOOTH] else SMOOTH
@@ -231,7 +237,7 @@ class Generalised:
         signals = self.signals
         self.sign = sign
         self.thresholds = _thresholds(self.reach, elements)
-        elastic, stops, placed = self._parts(self.thresholds)
+        elastic, stops, placed = parts_of(self.motion, self.reach, self.thresholds, self.lengths)
         made = {name: KINDS[name].columns(self.motion, sizes) for name, sizes in further.items()}
         free = {ELASTIC: elastic, PLACED: placed, RATES: self._rates()}
         free |= {name: made[name] for name in made if not KINDS[name].one_sign}
@@ -282,9 +288,9 @@ class Generalised:
     def _enlarged(self, placing: Collection[str]) -> tuple[int, dict[str, Floats]]:
         """How many stops, and the sizes of which further elements, are needed."""
         signals = self.signals
-        elastic, stops, placed = self._parts(_thresholds(self.reach, FINER))
+        elastic, stops, placed = parts_of(self.motion, self.reach, _thresholds(self.reach, FINER), self.lengths)
         there = {ELASTIC: elastic, STOPS: stops, PLACED: placed, RATES: self._rates()}
-        few = np.concatenate([np.arange(0, FINER, _spacing(FINER)), np.arange(FINER, stops.shape[1])])
+        few = np.concatenate([np.arange(0, FINER, spacing(FINER)), np.arange(FINER, stops.shape[1])])
         kinds = dict(KINDS)
         if not signals.timed:
             # There is no telling at which speed anything gives way.
@@ -314,9 +320,9 @@ class Generalised:
         These are ``elements`` (n, any) wherever memory knows the deflection as it does in this one's motion.
         """
         if motion.path is not self.motion.path:
-            elements = _elements(motion, self.thresholds, self.lengths)
+            elements = elements_of(motion, self.thresholds, self.lengths)
         some, kind = spread(self.known, FEW), KINDS[BY_SPEED]
-        rates = _rates(motion.speed, motion.acceleration, self.fast)
+        rates = rates_of(motion.speed, motion.acceleration, self.fast)
         friction = kind.columns(motion, kind.sizes(self._extent))
         elastic = _elastic(motion.x, self.reach)
         columns = np.hstack([part[some] for part in (elastic, elements, rates, friction)])
@@ -335,7 +341,7 @@ class Generalised:
         return Extent(self.reach, self.fast, signals.interval, duration)
 
     def _rates(self) -> Floats:
-        return _rates(self.motion.speed, self.motion.acceleration, self.fast)
+        return rates_of(self.motion.speed, self.motion.acceleration, self.fast)
 
     def parameters(self) -> dict[str, Any]:
         """All that :func:`predict_generalised` needs."""
@@ -345,68 +351,15 @@ class Generalised:
             "further": self.further, "derivatives": self.derivatives, "begun": self.begun,
         }  # fmt: skip
 
-    def _parts(self, thresholds: Floats) -> tuple[Floats, Floats, Floats]:
-        """Columns of the elastic curve, of the elements with memory, and of stops weighed by position."""
-        elements, u = _elements(self.motion, thresholds, self.lengths), _place(self.motion.x, self.reach)
-        placed = elements[:, : thresholds.size][:, _placed(thresholds.size)]
-        return _elastic(self.motion.x, self.reach), elements, np.hstack([placed * w[:, None] for w in _weights(u)])
-
     def predict(self, x: Floats) -> Floats:
         return predict_beside(self.parameters(), self.signals, x)
 
-    def anew(self, x: Floats) -> Floats:
-        """Output over one new motion, sampled as the recordings are."""
-        time = self.signals.interval * np.arange(x.size, dtype=np.float64)
-        _, speed, acceleration = differentiate(time, x)
-        return predict_generalised(
-            self.parameters(), Motion(time, x, [slice(0, x.size)], lambda: (speed, acceleration))
-        )
 
-    def tangent(self) -> tuple[Floats, Floats, Floats]:
-        """Columns (n, m) of structure and bulk, each the change for a relative error of one of some parameter.
-
-        The third are of friction, damping, mass and the like, each one parameter of the simulator's.
-        """
-        x = self.signals.x
-        elastic, stops, placed = self._parts(self.thresholds)
-        # A spring has no torque at rest, so neither has the change of a stiffness; a preload may be off by itself.
-        at_rest = np.polynomial.legendre.legvander(0.0, DEGREE)
-        preload = np.full((x.size, 1), float(at_rest[0] @ self.elastic))
-        sprung = elastic[:, 1:] - at_rest[:, 1:]
-        curve = sprung * self.elastic[1:]
-        odd, even = curve[:, ::2].sum(axis=1), curve[:, 1::2].sum(axis=1)
-        width = stops @ self.weights + placed @ self.placed + torque_of(self.further, self.motion, MEMORY)
-        size_odd, size_even = float(np.std(odd)), float(np.std(even))
-        unit = sprung / np.maximum(np.std(sprung, axis=0), 1e-300)
-        shapes = unit * np.array([size_odd if k % 2 == 0 else size_even for k in range(DEGREE)]) * 0.4
-        small = 1e-3
-        stretched = (self.predict((1.0 + small) * x) - self.predict((1.0 - small) * x)) / (2.0 * small)
-        stronger = _stronger(self.motion, self.thresholds, self.lengths)
-        fine, coarse = tangents(self.further, self.motion)
-        structure = np.hstack([self._each(stops), self._each(stronger), fine])
-        rates = uncancelled(self._rates() * self.rates)
-        by_place = (placed * self.placed).reshape(x.size, PLACES, -1).sum(axis=2)
-        bulk = np.column_stack([
-            shapes, odd, even, preload, width, uncancelled(by_place), stretched, rates, coarse,
-        ])  # fmt: skip
-        # What of one parameter takes several elements to follow: all friction, all that follows the speed alone.
-        dry = width + rates[:, 2:].sum(axis=1)
-        dragging = drag_of(self.parameters(), self.motion) - rates[:, 1]
-        return structure, bulk, np.column_stack([width, dry, dragging, rates, coarse])
-
-    def _each(self, elements: Floats) -> Floats:
-        """Stops and bristles (n, all of them), each with its weight."""
-        count, sizes = self.thresholds.size, np.abs(self.weights)
-        every = _spacing(count)
-        # An element that the sparse fit left out shares its neighbours' size: its parameters are unknown, not exact.
-        nearest = np.rint(np.arange(count) / every).astype(int)
-        coarse = np.concatenate([nearest, ELEMENTS + np.arange(self.lengths.size)])
-        whole = np.bincount(coarse, sizes)
-        shared = 0.5 * np.convolve(whole, np.ones(3) / 3.0, mode="same")
-        central = np.concatenate([np.arange(0, count, every), np.arange(count, sizes.size)])
-        small = whole < shared
-        kept = ~small[coarse] & (sizes > 0.0)
-        return np.hstack([elements[:, kept] * sizes[kept], elements[:, central[small]] * shared[small]])
+def predict_anew(parameters: Mapping[str, Any], interval: float, x: Floats) -> Floats:
+    """Output of what was identified over one new motion, of samples ``interval`` seconds apart."""
+    time = interval * np.arange(x.size, dtype=np.float64)
+    _, speed, acceleration = differentiate(time, x)
+    return predict_generalised(parameters, Motion(time, x, [slice(0, x.size)], lambda: (speed, acceleration)))
 
 
 def predict_beside(parameters: Mapping[str, Any], signals: Signals, x: Floats) -> Floats:
@@ -458,11 +411,19 @@ def _elastic(x: Floats, reach: float) -> Floats:
     return np.asarray(np.polynomial.legendre.legvander(_place(x, reach), DEGREE))
 
 
-def _elements(motion: Motion, thresholds: Floats, lengths: Floats) -> Floats:
+def elements_of(motion: Motion, thresholds: Floats, lengths: Floats) -> Floats:
     """Stops and then bristles, shape (n, thresholds + lengths)."""
     stops = motion.path[:, None] - np.concatenate([plays(motion.path[run], thresholds) for run in motion.runs])
     bristles = [length * motion.from_rest(bristle, length=length) for length in lengths]
     return np.column_stack([stops, *bristles])
+
+
+def parts_of(motion: Motion, reach: float, thresholds: Floats, lengths: Floats) -> tuple[Floats, Floats, Floats]:
+    """Columns of the elastic curve, of the elements with memory, and of stops weighed by position."""
+    elements = elements_of(motion, thresholds, lengths)
+    placed = elements[:, : thresholds.size][:, _placed(thresholds.size)]
+    weighed_so = [placed * w[:, None] for w in _weights(_place(motion.x, reach))]
+    return _elastic(motion.x, reach), elements, np.hstack(weighed_so)
 
 
 def _place(x: Floats, reach: float) -> Floats:
@@ -470,14 +431,14 @@ def _place(x: Floats, reach: float) -> Floats:
     return np.asarray(np.clip(x / reach, -1.3, 1.3))
 
 
-def _spacing(elements: int) -> int:
+def spacing(elements: int) -> int:
     """How many of so many stops there are for each coarse one."""
     return max((elements - 1) // (ELEMENTS - 1), 1)
 
 
 def _placed(elements: int) -> slice:
     """Those stops whose torque may depend on where they are: the same ones however many there are between them."""
-    every = 2 * _spacing(elements)
+    every = 2 * spacing(elements)
     return slice(every, None, every)
 
 
@@ -504,7 +465,7 @@ def _weights(u: Floats) -> tuple[Floats, ...]:
     return u, u * u, np.abs(u), u * u * u
 
 
-def _rates(speed: Floats, acceleration: Floats, fast: float) -> Floats:
+def rates_of(speed: Floats, acceleration: Floats, fast: float) -> Floats:
     """What a simulator with friction of its own may know of speed: damping, inertia, a regularised sign."""
     return np.column_stack([speed, acceleration, *(np.tanh(speed / (share * fast)) for share in STEEPNESS)])
 
@@ -536,7 +497,7 @@ def drag_of(parameters: Mapping[str, Any], motion: Motion) -> Floats:
 def _drag(parameters: Mapping[str, Any], motion: Motion) -> Floats:
     if not np.any(parameters["rates"]):
         return np.zeros(motion.x.size)
-    return np.asarray(_rates(motion.speed, motion.acceleration, float(parameters["fast"])) @ parameters["rates"])
+    return np.asarray(rates_of(motion.speed, motion.acceleration, float(parameters["fast"])) @ parameters["rates"])
 
 
 def as_seen(parameters: Mapping[str, Any], motion: Motion) -> Motion:
@@ -568,9 +529,3 @@ def strengthened(parameters: Mapping[str, Any], motion: Motion, gain: float, tim
         "further": strengthened_among(parameters.get("further", {}), gain, fast),
     }
     return predict_generalised(stronger, motion) - predict_generalised(parameters, motion)
-
-
-def _stronger(motion: Motion, thresholds: Floats, lengths: Floats) -> Floats:
-    """Change of each element for a relative change by one of its strength at the same stiffness."""
-    wider, narrower = (_elements(motion, scale * thresholds, scale * lengths) for scale in (1.05, 0.95))
-    return np.asarray((wider - narrower) / 0.1)

@@ -69,6 +69,7 @@ def refitted_beside(signals: Signals, model: Any, emulator: Emulator, effects: S
                 on_input = beside
         else:
             added = _best_alone(effect, first.scene)
+            # From anywhere: what an effect adds may leave a loop far from the model's.
             beside = None if added is None else _again(signals, model, emulator, signals.x, signals.y_real - added)
         if beside is not None:
             changes.append(beside.scene.torque - signals.y_sim)
@@ -82,14 +83,16 @@ def refitted_beside(signals: Signals, model: Any, emulator: Emulator, effects: S
     return replace(emulator, structure=np.empty((signals.x.size, 0)), bulk=left[:, kept] * size[kept] / STEP)
 
 
-def fitted_again(model: Any, signals: Signals, x: Floats, y: Floats) -> tuple[Any, Floats] | None:
+def fitted_again(
+    model: Any, signals: Signals, x: Floats, y: Floats, near: Any | None = None
+) -> tuple[Any, Floats] | None:
     """A model of the same kind fitted to ``y`` (n,) over ``x`` (n,) in the recordings' runs, and its output (n,) there.
 
-    None where it cannot be fitted, or its output is not finite.
+    None where it cannot be fitted, or its output is not finite. It starts from where a fit ``near`` ended, if its kind can.
     """
     try:
-        again = type(model)()
-        again.fit(x, y, signals.groups, **time_argument(again.fit, signals.time))
+        fit = getattr(near, "refit", None) or type(model)().fit
+        again = fit(x, y, signals.groups, **time_argument(fit, signals.time))
         reached = answers_of(again, signals)(x)
     except (AttributeError, InputError, np.linalg.LinAlgError, RuntimeError, TypeError):
         # Not every model can be fitted anew, or to everything.
@@ -101,13 +104,16 @@ def fitted_again(model: Any, signals: Signals, x: Floats, y: Floats) -> tuple[An
 class _Refit:
     """A model fitted again: the recording beside it, and the energy that it leaves of what it was fitted to."""
 
+    model: Any
     scene: SimulatorScene
     left: float
 
 
-def _again(signals: Signals, model: Any, emulator: Emulator, x: Floats, y: Floats) -> _Refit | None:
+def _again(
+    signals: Signals, model: Any, emulator: Emulator, x: Floats, y: Floats, near: Any | None = None
+) -> _Refit | None:
     """A model like this one fitted to ``y`` (n,) over the deflection ``x`` (n,); None where it cannot be."""
-    again = fitted_again(model, signals, x, y)
+    again = fitted_again(model, signals, x, y, near)
     if again is None:
         return None
     answers, reached = answers_of(again[0], signals), again[1]
@@ -116,7 +122,7 @@ def _again(signals: Signals, model: Any, emulator: Emulator, x: Floats, y: Float
         return None
     emulator = replace(emulator, predict=answers, refitted=True)
     scene = SimulatorScene(replace(signals, y_sim=output), emulator, base=output)
-    return _Refit(scene, float(np.sum(np.square(y - reached)[signals.judged])))
+    return _Refit(again[0], scene, float(np.sum(np.square(y - reached)[signals.judged])))
 
 
 def _best_on_input(effect: Effect, signals: Signals, model: Any, first: _Refit) -> _Refit | None:
@@ -175,11 +181,14 @@ def _between(begun: _Sized, signals: Signals, model: Any) -> _Refit:
 def _beside(law: Form, size: float, signals: Signals, model: Any, last: _Refit) -> _Refit | None:
     """The model fitted to the deflection that a law of this size leaves; None where it cannot be.
 
-    Where the effect acts may depend on the torque: the model that was fitted ``last``, beside a smaller one, tells it.
+    Where the effect acts may depend on the torque: the model that was fitted ``last``, beside a smaller one, tells it. And
+    this one's parameters are near that one's.
     """
     scene = AskingScene(signals, last.scene.emulator, base=last.scene.torque)
     law.columns(scene, (size,))
-    return None if scene.asked is None else _again(signals, model, last.scene.emulator, scene.asked, signals.y_real)
+    if scene.asked is None:
+        return None
+    return _again(signals, model, last.scene.emulator, scene.asked, signals.y_real, last.model)
 
 
 def _best_alone(effect: Effect, scene: SimulatorScene) -> Floats | None:
