@@ -36,6 +36,16 @@ def tests(session: nox.Session) -> None:
 
 
 @nox.session
+def thorough(session: nox.Session) -> None:
+    """The test suite with every further case of a rule, which takes half as long again."""
+    _install(session, "test")
+    processes = str(min(os.cpu_count() or 1, 4))
+    session.run(
+        "pytest", "--numprocesses", processes, "--dist", "loadscope", "--thorough", *session.posargs, env=ENV
+    )  # fmt: skip
+
+
+@nox.session
 def lint(session: nox.Session) -> None:
     """Style and formatting."""
     session.install(*nox.project.dependency_groups(nox.project.load_toml("pyproject.toml"), "lint"))

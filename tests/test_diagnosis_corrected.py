@@ -105,6 +105,7 @@ LAWS = {
 }
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("law", LAWS)
 def test_a_law_is_the_same_on_a_motion_of_another_size(law: str) -> None:
     def real(time: Floats, x: Floats) -> Floats:
@@ -119,6 +120,7 @@ def test_a_law_is_the_same_on_a_motion_of_another_size(law: str) -> None:
     assert closed_by(again.predict(other), real(small, other), joint(other)) > 0.97
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize(("effect", "periods", "size"), [("viscous_friction", 30.0, 0.3), ("inertia", 15.0, 0.01)])
 def test_what_a_joint_has_of_its_own_follows_its_own_motion_where_the_encoder_errs(
     effect: str, periods: float, size: float

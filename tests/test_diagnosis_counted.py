@@ -59,6 +59,7 @@ def test_the_speed_is_known_whatever_the_encoder_counts(interval: float, counts:
     assert rms(signals.smooth_x - x) < 0.5 * rms(signals.x - x)
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("fed", [True, False])
 @pytest.mark.parametrize(
     ("interval", "added"),
@@ -106,6 +107,7 @@ def test_the_rounding_of_numbers_is_no_noise_however_much_a_simulator_makes_of_i
     assert (quiet is not signals) == taken_out
 
 
+@pytest.mark.thorough(but_one_in=3)
 @pytest.mark.parametrize("seed", [1, 3, 5])
 def test_what_noise_alone_might_look_like_is_not_taken_out(seed: int) -> None:
     """Rubber that was turned by the noise of the deflection forgets that but slowly: hardly anything of it is rough."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import json
 from collections.abc import Mapping
 from dataclasses import replace
@@ -68,14 +67,6 @@ def begun_late(joint: Joint, before: float) -> Signals:
     return Signals(time[later] - before, x[later], y[later], y[later], [slice(0, int(later.sum()))], {})
 
 
-@functools.cache
-def told_of_errors(name: str) -> tuple[list[str], Mapping[str, Any]]:
-    """The verdict on a joint whose simulator is off by a few per cent, and the parameters of the emulator."""
-    joint, _ = JOINTS[name]
-    found = diagnose(recorded(joint, lambda time, x: joint(time, x, 0.04), SECONDS[name]))
-    return found.verdict, found.evidence.scene.emulator.split
-
-
 @pytest.mark.parametrize("name", JOINTS)
 def test_answers_another_motion_as_the_simulator_would(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     joint, allowed = JOINTS[name]
@@ -87,17 +78,22 @@ def test_answers_another_motion_as_the_simulator_would(name: str, monkeypatch: p
     def error(found: Mapping[str, Any]) -> float:
         return float(np.std(predict_generalised(found, along) - wanted) / np.std(wanted))
 
-    emulator = told_of_errors(name)[1]
+    signals = recorded(joint, seconds=SECONDS[name])
+    emulator = emulate(signals, None).split
     monkeypatch.setattr(generalised, "EMULATED", np.inf)
-    plain = Generalised(recorded(joint, seconds=SECONDS[name])).parameters()
+    plain = Generalised(signals).parameters()
     assert error(emulator) < min(allowed, 0.7 * error(plain))
 
 
+@pytest.mark.thorough(but_one_in=3)
 @pytest.mark.parametrize("name", JOINTS)
 def test_simulator_of_any_kind_that_is_off_by_a_few_per_cent_is_a_miscalibration(name: str) -> None:
-    assert told_of_errors(name)[0] == ["miscalibration"]
+    joint, _ = JOINTS[name]
+    found = diagnose(recorded(joint, lambda time, x: joint(time, x, 0.04), SECONDS[name]))
+    assert found.verdict == ["miscalibration"]
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("name", ["kinked", "pressed by a cam"])
 def test_one_effect_that_explains_most_is_named_though_others_patch_what_its_law_misses(name: str) -> None:
     """A soft gap beside a simulator that is off, which several effects together explain better, in doubt of each."""
@@ -197,6 +193,7 @@ def test_rotors_of_an_engine_that_swing_on_tendons_keep_their_swing() -> None:
     assert np.std(found.anew(0.85 * x) - wanted) < 0.001 * np.std(wanted)
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("before", [3.0, 13.0])
 def test_what_a_simulator_remembers_of_a_motion_before_the_recording_is_not_looked_at(before: float) -> None:
     def joint(time: Floats, x: Floats) -> Floats:
@@ -218,6 +215,7 @@ def test_what_a_simulator_remembers_of_a_motion_before_the_recording_is_not_look
     assert rms(wanted - y) < 0.002 * np.std(y)
 
 
+@pytest.mark.thorough
 def test_a_gap_where_the_simulator_still_remembers_what_was_before_is_not_judged() -> None:
     signals = begun_late(JOINTS["leaves"][0], 7.5)
     time, y = signals.time, signals.y_sim
@@ -231,6 +229,7 @@ def test_a_gap_where_the_simulator_still_remembers_what_was_before_is_not_judged
     )
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize(("name", "before", "allowed"), [("leaves", 13.0, 0.0002), ("metal", 7.5, 0.007)])
 def test_a_beginning_is_left_out_though_it_did_not_show_at_first_or_not_as_far(
     name: str, before: float, allowed: float
@@ -363,6 +362,7 @@ def test_kinks_belong_to_the_spring_and_are_no_preload() -> None:
     assert bent[[0, 3]] / 0.5 == pytest.approx(bent[[1, 2]] / 0.3 + 7.0 * 0.28 / 0.5, rel=0.1)
 
 
+@pytest.mark.thorough(but_one_in=3)
 @pytest.mark.parametrize(
     ("joint", "kind"),
     [

@@ -68,6 +68,7 @@ def slid(more: Floats) -> Floats:
     return out
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("part", ["the friction's strength", "the stiffness"])
 @pytest.mark.parametrize("drift", [-0.4, 0.8])
 def test_what_changes_much_inside_the_joint_is_followed_all_the_way(part: str, drift: float) -> None:
@@ -160,6 +161,7 @@ def test_elements_that_slide_later_the_more_they_are_loaded_have_friction_by_loa
 WORN, WARM = TRAVEL / TRAVEL[-1], 1.0 - np.exp(-TIME / 9.0)
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize(
     ("change", "cause", "of_spring", "of_friction"),
     [(WORN, "cyclic_softening", -0.1, -0.5), (1.0 - np.exp(-2.0 * WORN), "cyclic_softening", -0.1, -0.5),
@@ -253,6 +255,7 @@ INSIDE = {
 """What changes inside a joint of plays, whose slope an emulator by sliders counts to the spring."""
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("law", INSIDE)
 def test_what_acts_on_a_part_that_the_emulator_does_not_tell_leaves_nothing(law: str) -> None:
     effect, real = INSIDE[law]
@@ -261,6 +264,7 @@ def test_what_acts_on_a_part_that_the_emulator_does_not_tell_leaves_nothing(law:
     assert found.choice.features["in_sample_left"] < 0.02
 
 
+@pytest.mark.thorough(but_one_in=3)
 @pytest.mark.parametrize("law", ["plays that wear", "a spring that is stiff at first", "a spring that differs by side"])
 def test_a_gain_beside_what_acts_on_such_a_part_is_told(law: str) -> None:
     effect, real = INSIDE[law]

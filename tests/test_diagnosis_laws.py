@@ -148,6 +148,7 @@ def test_sides_whose_torque_is_off_in_opposite_ways_are_one_asymmetry() -> None:
 ELEMENTS = ((6.0, 0.12), (2.0, 0.15), (0.8, 0.16))
 
 
+@pytest.mark.thorough(but_one_in=2)
 # The last is held by friction nearly wherever it is.
 @pytest.mark.parametrize(("tones", "spring"), [(1, 4.0), (3, 4.0), (3, 0.3)])
 @pytest.mark.parametrize(

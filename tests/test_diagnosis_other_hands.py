@@ -240,12 +240,14 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
 }  # fmt: skip
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("law", LAWS)
 def test_a_law_of_another_hand_is_named(law: str) -> None:
     expected, made = LAWS[law]
     assert diagnosed(made()).verdict == [expected]
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize(("waves", "hardening"), [(9.0, 0.6), (20.0, 0.0)])
 def test_a_torque_that_waves_with_the_place_is_no_encoders_error(waves: float, hardening: float) -> None:
     simulated = 4.0 * X + hardening * X**3 + friction(X)

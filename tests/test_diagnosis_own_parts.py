@@ -26,6 +26,7 @@ def joint(*parts: str) -> Floats:
     return 3.0 * X + 0.8 * X**3 + sum((PARTS[part] for part in parts), np.zeros(X.size))
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("error", [-0.04, 0.05])
 @pytest.mark.parametrize("part", PARTS)
 def test_one_part_that_is_off_by_a_few_per_cent_is_no_effect(part: str, error: float) -> None:
@@ -39,6 +40,7 @@ def test_one_part_that_is_off_by_a_few_per_cent_is_no_effect(part: str, error: f
     assert found.closed_in_all > 0.9
 
 
+@pytest.mark.thorough(but_one_in=3)
 @pytest.mark.parametrize("part", ["inertia", "viscous_friction", "sliders"])
 def test_one_part_that_is_off_by_less_than_the_noise_is_no_gap(part: str) -> None:
     y_sim = joint("sliders", part) if part != "sliders" else joint("inertia", part)
@@ -47,6 +49,7 @@ def test_one_part_that_is_off_by_less_than_the_noise_is_no_gap(part: str) -> Non
     assert found.verdict == []
 
 
+@pytest.mark.thorough(but_one_in=3)
 @pytest.mark.parametrize("part", ["inertia", "viscous_friction", "coulomb_friction"])
 def test_much_more_of_a_part_or_a_part_that_is_not_there_is_an_effect(part: str) -> None:
     for y_sim in (joint("sliders", part), joint("sliders")):

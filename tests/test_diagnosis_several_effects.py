@@ -24,6 +24,7 @@ from hystbench.diagnosis.verdict.priors import prior
 Floats = NDArray[np.float64]
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize(
     ("phases", "presliding", "level", "stops", "stiffness", "offset"),
     [
@@ -58,6 +59,7 @@ def test_stops_in_mid_stroke_and_an_offset_are_found_together(
     assert set(found.verdict) == {"end_stop", "torque_offset"}
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("seed", [11034, 11111])
 def test_two_effects_keep_their_laws_beside_an_exact_simulator(seed: int) -> None:
     """A refitted simulator led them to other laws, so that they were left out in favour of what imitates them."""
@@ -66,6 +68,7 @@ def test_two_effects_keep_their_laws_beside_an_exact_simulator(seed: int) -> Non
     assert set(found.verdict) == set(case.effects)
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("seed", [5_000_419, 5_200_230])
 def test_two_effects_do_not_pay_for_errors_of_the_simulator_that_bring_less_than_they_cost(seed: int) -> None:
     case, found = developed(seed, *DEVELOPMENT_PLANTS)
@@ -80,6 +83,7 @@ def test_an_offset_that_settles_for_ever_is_the_constant_that_does_as_well() -> 
     assert set(found.verdict) == set(case.effects)
 
 
+@pytest.mark.thorough(but_one_in=3)
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_slow_error_of_an_encoder_and_an_offset_are_told_from_a_slower_error(seed: int) -> None:
     """Two harmonics that are as slow as can be make both, and leave nothing."""
@@ -94,6 +98,7 @@ def test_a_slow_error_of_an_encoder_and_an_offset_are_told_from_a_slower_error(s
     assert set(found.verdict) == {"encoder_eccentricity", "deflection_offset"}
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("phase", [2.0, 2.8])
 def test_an_offset_beside_an_error_that_comes_once_a_turn_of_half_a_turn_is_told(phase: float) -> None:
     """With as many waves as suit it the error makes the offset as well, at the end of its range."""
@@ -131,6 +136,7 @@ def _once_a_turn(angle: Floats, phase: float) -> Floats:
     return np.asarray(0.1 * (np.sin(angle + phase) - np.sin(phase)) + 0.015 * (np.sin(2.0 * angle + 1.0) - np.sin(1.0)))
 
 
+@pytest.mark.thorough
 def test_a_law_that_was_chosen_beside_what_is_dropped_is_chosen_again() -> None:
     """An encoder error whose mean a torque offset hid needed an offset of the deflection besides."""
     case, found = developed(13055, "slip", "bouc-wen", "varied")
@@ -145,6 +151,7 @@ def test_effects_that_mostly_cancel_are_named_where_they_close_the_gap_by_themse
     assert set(found.verdict) == set(case.effects)
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize(
     ("effects", "ratio", "motion", "seed"),
     [
@@ -164,6 +171,7 @@ def test_effects_that_cancel_until_little_more_than_noise_is_left_are_named(
     assert set(found.verdict) == set(effects)
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize(
     ("effects", "seed"),
     [

@@ -27,6 +27,7 @@ def test_several_small_errors_of_a_simulator_are_no_gain(seed: int) -> None:
     assert found.verdict == ["miscalibration"]
 
 
+@pytest.mark.thorough(but_one_in=4)
 @pytest.mark.parametrize(
     ("factor", "verdicts"),
     [(0.8, GAINS), (0.88, GAINS), (1.0, [{"miscalibration"}]), (1.12, GAINS), (1.25, GAINS)],
@@ -49,6 +50,7 @@ def test_a_factor_beyond_what_parameters_off_by_a_few_per_cent_make_is_a_gain(
         assert found.ambiguous == []
 
 
+@pytest.mark.thorough
 def test_elements_that_stand_in_for_others_may_be_off_by_more_than_those() -> None:
     # Neighbouring sliders of the emulator make up for each other, so that some are off by far more than the simulator's own.
     time, x = motion(45.0, 0.0, 1.0, 2.0)
@@ -107,6 +109,7 @@ def test_an_effect_of_which_a_simulator_that_is_off_hides_a_part_is_named_with_i
     assert set(found.verdict) == {"stress_relaxation", "miscalibration"}
 
 
+@pytest.mark.thorough(but_one_in=4)
 @pytest.mark.parametrize("off", [0.0, 0.04, -0.04])
 @pytest.mark.parametrize(("effect", "more"), [("inertia", 1.0), ("coulomb_friction", 0.4), ("coulomb_friction", 0.8)])
 def test_much_more_of_what_a_simulator_has_itself_is_an_effect_and_no_miscalibration(
@@ -144,6 +147,7 @@ def test_a_wave_longer_than_the_stroke_is_not_asked_for_where_a_simulator_that_i
     assert set(found.verdict) - {"miscalibration"} == {effect}
 
 
+@pytest.mark.thorough
 def test_several_effects_beside_a_simulator_that_is_off_are_not_named_on_a_doubtful_ground() -> None:
     case, found = developed(19110, *DEVELOPMENT_PLANTS)
     assert case.effects == case.excluded == ("stiffness_asymmetry",)

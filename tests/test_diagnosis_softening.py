@@ -25,6 +25,7 @@ WORN: dict[str, Callable[[Floats, Floats], Floats]] = {
 }
 
 
+@pytest.mark.thorough(but_one_in=3)
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("worn", WORN)
 def test_rubber_softens_as_far_as_it_was_stretched(worn: str, motion: str) -> None:

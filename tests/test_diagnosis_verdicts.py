@@ -23,6 +23,7 @@ from hystbench.diagnosis.verdict.choice import choose
 Floats = NDArray[np.float64]
 
 
+@pytest.mark.thorough
 def test_an_offset_that_may_not_be_named_is_no_eccentricity_whose_harmonics_cancel() -> None:
     case, found = developed(11103)
     assert case.effects == case.excluded == ("deflection_offset",)

@@ -81,6 +81,7 @@ def test_a_shift_of_the_spring_is_not_blamed_on_a_constant_torque_and_an_asymmet
     assert diagnosed(shifted).verdict == ["deflection_offset"]
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("stiffer", [0.8 * np.abs(X), 1.5 * np.maximum(X, 0.0)], ids=["softer below", "stiffer above"])
 def test_a_stiffness_that_differs_by_side_is_not_blamed_on_an_encoder(stiffer: Floats) -> None:
     withheld = diagnosed(joint(X) + stiffer, ("stiffness_asymmetry",))
