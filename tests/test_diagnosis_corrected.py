@@ -53,6 +53,7 @@ def closed_by(corrected: Floats, real: Floats, sim: Floats) -> float:
     return 1.0 - float(np.mean(np.square(real - corrected)) / np.mean(np.square(real - sim)))
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("damping", [0.0, 0.1])
 def test_a_simulator_that_is_off_is_calibrated_anew_in_the_corrected_one(damping: float) -> None:
     made = [(time, x, joint(x) + damping * np.gradient(x, time), joint(x, 0.96, 1.05))

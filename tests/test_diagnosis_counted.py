@@ -132,6 +132,7 @@ def test_levels_that_are_gone_to_are_no_counts() -> None:
     assert rms(signals.smooth_x - x) < 0.01
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("fed", [True, False])
 def test_the_corrected_simulator_tells_the_speed_from_counts(fed: bool) -> None:
     """From samples up to each one only: differences of counts would be off by four times the noise."""

@@ -102,6 +102,7 @@ def test_one_effect_that_explains_most_is_named_though_others_patch_what_its_law
     assert set(found.verdict) - {"miscalibration"} == {"backlash"}
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("name", ["two sliders", "Maxwell slip"])
 def test_a_factor_that_the_usual_errors_do_not_make_is_a_gain_beside_them(name: str) -> None:
     joint, _ = JOINTS[name]

@@ -139,6 +139,7 @@ SMOOTH: dict[str, Callable[[float], float]] = {
 }
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("element", SMOOTH)
 def test_elements_that_yield_smoothly_and_later_the_slower_they_move_have_stribeck_friction(element: str) -> None:
     usual, later = (
@@ -213,6 +214,7 @@ def test_what_relaxes_from_where_the_recording_began_needs_no_offset_besides() -
     assert found.effects[0].law.endswith("of its rise")
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("rest", [-1.2, 0.9])
 def test_what_relaxes_from_where_the_joint_had_rested_before_needs_no_offset_besides(rest: float) -> None:
     sim, kept = joint(X), np.exp(-STEP / 1.5)
@@ -271,6 +273,7 @@ def test_a_gain_beside_what_acts_on_such_a_part_is_told(law: str) -> None:
     assert set(diagnose(signals(1.06 * real, y_sim=SPRING + PLAYS)).verdict) == {effect, "torque_gain"}
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("gain", [1.0, 1.05])
 def test_a_softly_engaging_spring_that_makes_no_torque_at_zero_needs_no_errors_of_the_simulator(gain: float) -> None:
     engaging = 0.05 * (np.logaddexp(0.0, X / 0.05) - np.log(2.0))
@@ -289,6 +292,7 @@ def test_one_factor_is_a_gain_and_several_errors_are_a_miscalibration() -> None:
     assert diagnosed(several, exclude=("torque_gain",)).verdict == ["miscalibration"]
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("seed", [2, 8])
 def test_a_factor_that_errors_make_is_no_gain_where_they_do_better_without_it(seed: int) -> None:
     def leaf(stiffness: float, length: float, roll: float, damping: float, elastic: float, limit: float) -> Floats:

@@ -67,6 +67,7 @@ def test_an_encoder_that_was_zeroed_at_home_has_no_offset_besides() -> None:
     assert found.verdict == ["encoder_eccentricity"]
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("periods", [40.0, 60.0])
 def test_an_encoder_of_many_pole_pairs_is_told(periods: float) -> None:
     """Whose error has more waves within the stroke than can all be tried."""
@@ -216,6 +217,7 @@ def test_a_clearance_may_hold_the_spring_alone_while_friction_is_felt_before_it(
     assert found.closed_in_all > 0.98
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize(("gain", "off"), [(0.3, 0.0), (1.2, 0.0), (0.45, 0.04), (0.8, 0.04)])
 def test_much_more_of_the_joints_own_friction_is_dry_friction(gain: float, off: float) -> None:
     _, x = swelling()
@@ -230,6 +232,7 @@ def test_much_more_of_the_joints_own_friction_is_dry_friction(gain: float, off: 
     assert abs(effect.parameters["strength_gain"] - gain) < 0.02 + 4.0 * off
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("middle", [0.4, 0.75])
 def test_a_gap_within_the_stroke_of_a_joint_that_is_moved_to_one_side_is_a_clearance(middle: float) -> None:
     time, x = swelling()
@@ -239,6 +242,7 @@ def test_a_gap_within_the_stroke_of_a_joint_that_is_moved_to_one_side_is_a_clear
     assert found.effects[0].parameters["middle"] == pytest.approx(middle, abs=0.005)
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("middle", [0.0, 0.3])
 def test_a_gap_with_rounded_flanks_is_a_clearance(middle: float) -> None:
     _, x = swelling()
@@ -264,6 +268,7 @@ def test_flanks_that_yield_are_a_clearance(spread: float) -> None:
     assert found.closed_in_all > 0.98
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_stop_that_loses_energy_is_a_stop(side: float) -> None:
     time, x = swelling()
@@ -273,6 +278,7 @@ def test_a_stop_that_loses_energy_is_a_stop(side: float) -> None:
     assert found.verdict == ["end_stop"]
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_stop_that_a_few_large_swings_press_far_in_is_a_stop(side: float) -> None:
     time, x = swelling()
@@ -282,6 +288,7 @@ def test_a_stop_that_a_few_large_swings_press_far_in_is_a_stop(side: float) -> N
     assert found.verdict == ["end_stop"]
 
 
+@pytest.mark.thorough(but_one_in=3)
 @pytest.mark.parametrize("ends", [(0.3, 9.0), (9.0, 0.3), (0.45, 0.4)], ids=["above", "below", "both"])
 def test_a_stop_that_a_load_behind_a_spring_meets_is_a_stop(ends: tuple[float, float]) -> None:
     """Its friction has it meet the stop at another deflection than it leaves it."""
@@ -303,6 +310,7 @@ def test_a_stop_that_is_met_at_the_very_end_is_a_stop() -> None:
     assert found.effects[0].parameters["upper"] == pytest.approx(end, rel=0.002)
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize(("threshold", "offset"), [(1.5, 0.0), (1.5, 0.1)])
 def test_contacts_that_only_a_large_load_presses_together_rub_by_the_load(threshold: float, offset: float) -> None:
     _, x = swelling()
@@ -350,6 +358,7 @@ def test_a_clutch_that_slips_in_series_is_a_saturation_with_memory() -> None:
     assert report.closed > 0.9
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("sharp", [True, False])
 def test_contacts_that_the_load_presses_together_give_way_at_a_level_and_not_at_a_deflection(sharp: bool) -> None:
     _, x = swelling()
@@ -566,6 +575,7 @@ def test_on_a_linear_spring_an_offset_of_the_deflection_is_not_named_for_one_of_
     assert len(told) == (verdict == ["unknown"])
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("phase", [0.6, -0.6])
 def test_a_wave_much_longer_than_the_stroke_is_an_offset_of_the_deflection(phase: float) -> None:
     def hard(x: Floats) -> Floats:

@@ -67,6 +67,7 @@ def test_a_ripple_too_fine_for_the_samples_is_no_noise_behind_a_low_pass(waves: 
     assert signals.correlated == 1
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("cut_off", [0.15, 0.25, 0.45])
 @pytest.mark.parametrize("gap", [0.0, 6.0])
 def test_noise_behind_a_low_pass_is_noise(cut_off: float, gap: float) -> None:

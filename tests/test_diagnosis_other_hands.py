@@ -272,6 +272,7 @@ def test_a_mass_that_resonates_near_the_motions_band_is_no_inertia(frequency: fl
     assert diagnose(Signals(TIME, x, real, joint(x), [slice(0, x.size)], {})).verdict == [verdict]
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize(
     "law",
     [

@@ -117,6 +117,7 @@ def test_one_outlier_is_noted_and_is_no_gap() -> None:
     assert any("stand out" in note for note in found.notes)
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("seed", range(4))
 def test_noise_with_heavy_tails_has_no_spikes(seed: int) -> None:
     noise = NOISE * np.random.default_rng(seed).standard_t(4, X.size)

@@ -66,6 +66,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(noise) -> None:  # type: 
     assert min(held.values()) >= 16
 
 
+@pytest.mark.thorough(but_one_in=3)
 @pytest.mark.parametrize("draw", range(3))
 def test_a_long_recording_is_used_whole_for_the_figures_of_the_verdict(draw: int) -> None:
     # Laws are compared on a part of it; a figure from that part would miss its interval three times too often.

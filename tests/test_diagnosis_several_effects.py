@@ -114,6 +114,7 @@ def test_an_offset_beside_an_error_that_comes_once_a_turn_of_half_a_turn_is_told
     assert set(found.verdict) == {"encoder_eccentricity", "torque_offset"}
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("stroke", [1.5, 1.7])
 def test_an_error_that_comes_once_a_turn_is_told_on_half_a_turn(stroke: float) -> None:
     time, turned = swelling()

@@ -95,6 +95,7 @@ def test_an_effect_beside_a_simulator_that_is_off_is_named_with_it() -> None:
     assert set(found.verdict) - {"miscalibration"} == {"viscous_friction"}
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("cubic", [-0.04, 0.04])
 def test_an_effect_of_which_a_simulator_that_is_off_hides_a_part_is_named_with_it(cubic: float) -> None:
     def joint(linear: float, cubic: float, sliding: float) -> Floats:

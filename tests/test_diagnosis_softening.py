@@ -42,6 +42,7 @@ def test_what_is_stretched_as_far_as_ever_from_the_start_is_a_gain_and_no_soften
     assert "cyclic_softening" not in found.verdict
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize("stiffness", [4.77, 5.25])
 def test_a_spring_without_losses_that_is_off_is_no_effect_that_is_over_at_once_or_never_begins(
     stiffness: float,

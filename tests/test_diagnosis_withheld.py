@@ -171,6 +171,7 @@ def test_a_simulator_is_not_called_off_where_its_parameters_would_have_to_be_off
     assert any("far more than a tenth" in note for note in far.notes)
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize(("a", "b", "c"), [(0.97, 1.04, 0.96), (1.03, 0.96, 1.03)])
 def test_what_spares_a_simulator_errors_beyond_belief_is_named(a: float, b: float, c: float) -> None:
     # A parameter of its own would do as well, but would have to be off by more than its size.
