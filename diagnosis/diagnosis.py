@@ -14,7 +14,7 @@ from ..errors import InputError
 from .attribution import locate
 from .effects.base import Effect
 from .emulator.emulation import SimulatorScene, emulate
-from .emulator.jitter import without_jitter
+from .emulator.jitter import along_what_it_follows, without_jitter
 from .hypotheses.evidence import Evidence, Hypothesis, those_behind
 from .hypotheses.heldout import HeldOut, closed_share, held_out
 from .hypotheses.refitting import refitted_beside
@@ -100,7 +100,7 @@ def diagnose(
 def _diagnosed(
     signals: Signals, model: Any | None, exclude: Collection[str], effects: Sequence[Effect], seed: int, fitted: bool
 ) -> Diagnosis:
-    emulator = emulate(signals, model)
+    signals, emulator = along_what_it_follows(signals) if model is None else (signals, emulate(signals, model))
     if emulator.warm_up is not None:
         # How it would answer another deflection there is not known.
         signals = replace(signals, warm_up=emulator.warm_up | ~signals.judged)

@@ -59,9 +59,12 @@ def _of_the_simulator(signals: Signals, emulator: Emulator, has_model: bool, cal
             " are not judged"
         )
     if signals.recorded is not None:
+        noise = rms(signals.recorded - signals.x)
         yield (
-            f"the simulator's output shows the noise of the recorded deflection ({rms(signals.recorded - signals.x):.2g}): what that"
-            " makes of it was taken out"
+            f"the simulator's output shows the noise of the recorded deflection ({noise:.2g}): what that makes of it was taken out"
+            if signals.jitter
+            else f"the simulator's output shows no noise of the deflection's sensor ({noise:.2g}): it is emulated along the smoothed"
+            " deflection"
         )
     if not signals.timed:
         yield "no time was recorded, so nothing can be said of rates and of drifts"

@@ -227,7 +227,8 @@ class BoucWen(HysteresisModel):
         if self.n is not None:
             lower[2], upper[2] = self.n - 1e-12, self.n + 1e-12
         sparse = thinned(scaled, GLOBAL_SAMPLES)
-        start = self._searched(sparse, lower, upper) if self.search_from is None else self.search_from
+        near = self.search_from
+        start = self._searched(sparse, lower, upper) if near is None else np.clip(near, lower, upper)
         is_thinned = sum(run.x.size for run in scaled) > sum(run.x.size for run in sparse)
         tolerances: dict[str, Any] = {} if is_thinned else {"xtol": 1e-14, "ftol": 1e-14, "gtol": 1e-14}
         best = least_squares(

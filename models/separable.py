@@ -121,7 +121,7 @@ def fit_separable(
         return np.asarray(min(found, key=lambda result: result.cost).x)
 
     best = least_squares(
-        errors, searched() if near is None else near, bounds=(low, high), x_scale=spread, args=(runs,),
+        errors, searched() if near is None else np.clip(near, low, high), bounds=(low, high), x_scale=spread, args=(runs,),
         xtol=1e-12, ftol=1e-12, gtol=1e-14, max_nfev=rounds,
     )  # fmt: skip
     return best.x, residuals(best.x, runs)[1]

@@ -148,7 +148,7 @@ def test_a_diagnosis_takes_one_thread_and_gives_back_what_there_were(monkeypatch
         seen.update(threads())
         return emulate(*arguments)
 
-    monkeypatch.setattr("hystbench.diagnosis.diagnosis.emulate", emulated)
+    monkeypatch.setattr("hystbench.diagnosis.emulator.jitter.emulate", emulated)
     with threadpool_limits(limits=2, user_api="blas"):
         diagnose(signals(viscous))
         assert threads() == {2}

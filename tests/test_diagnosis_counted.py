@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from hystbench.diagnosis.corrected import CorrectedSimulator, calibrated, corrected_simulator
 from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.emulator.emulation import emulate
-from hystbench.diagnosis.emulator.jitter import without_jitter
+from hystbench.diagnosis.emulator.jitter import along_what_it_follows, without_jitter
 from hystbench.diagnosis.recording.noise import rms
 from hystbench.diagnosis.recording.signals import Signals
 from hystbench.errors import InputError
@@ -69,6 +69,7 @@ def test_counts_are_no_gap_and_hide_none(interval: float, added: str, fed: bool)
     found = diagnose(recorded(interval, 2.0 * np.pi / 2048, added, fed))
     assert found.verdict == ([added] if added else [])
     assert any("noise of the recorded deflection" in note for note in found.notes) == fed
+    assert any("emulated along the smoothed deflection" in note for note in found.notes) != fed
 
 
 def test_what_counts_make_of_a_simulator_is_taken_out_and_the_rest_stays() -> None:
@@ -86,6 +87,23 @@ def test_a_simulator_that_was_not_fed_with_the_counts_is_left_as_it_is() -> None
     signals = recorded(0.002, 0.003, fed=False)
     emulator = emulate(signals, None)
     assert without_jitter(signals, emulator) == (signals, emulator)
+
+
+@pytest.mark.parametrize("fed", [True, False])
+@pytest.mark.parametrize("counted", [True, False])
+def test_a_simulator_is_emulated_along_the_deflection_that_it_knows(fed: bool, counted: bool) -> None:
+    signals = recorded(0.005, 0.003, fed=fed)
+    if not counted:
+        _, x = motion(0.005)
+        seen = x + 1e-3 * np.random.default_rng(3).standard_normal(x.size)
+        signals = replace(signals, x=seen, y_sim=joint(seen if fed else x))
+    followed, emulator = along_what_it_follows(signals)
+    if fed:
+        assert followed is signals
+    else:
+        assert np.array_equal(followed.x, signals.smooth_x)
+        assert np.array_equal(followed.y_sim, signals.y_sim)
+        assert emulator.error < 0.5 * emulate(signals, None).error
 
 
 @pytest.mark.parametrize(("noise", "taken_out"), [(1e-8, False), (1e-3, True)])

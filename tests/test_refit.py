@@ -54,3 +54,9 @@ def test_one_that_was_given_its_parameters_searches_and_keeps_its_hyperparameter
     anew = model.clone().fit(X, loop(1.1, 0.13), time=TIME)
     assert again.get_params() == model.get_params()
     assert np.array_equal(again.predict(X, time=TIME), anew.predict(X, time=TIME))
+
+
+def test_other_hyperparameters_may_leave_less_to_choose_from() -> None:
+    model = models.get("bouc-wen")().fit(X, loop(1.0, 0.1))
+    assert abs(model.parameters_["n"] - 2.0) > 1e-3
+    assert model.set_params(n=2.0).refit(X, loop(1.1, 0.13)).parameters_["n"] == 2.0
