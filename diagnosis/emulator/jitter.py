@@ -35,8 +35,8 @@ STAYS = 0.3
 """Share of it that stays: counts are correlated, the more so the slower the joint, and smoothing bends what it smooths. On eight
 joints with counted deflections it was 0.2 to 0.35."""
 STRANGE = 0.1
-"""Correlation of a simulator's roughness with that of the deflection's noise below which it was not fed with that: on 67 recordings
-of simulators that were not it was 0.065 at most, but for one whose own motion answered to it."""
+"""Correlation of a simulator's roughness with that of the deflection's noise below which it was not fed with that: on 51 recordings
+of simulators that were not it was 0.065 at most."""
 
 
 def along_what_it_follows(signals: Signals) -> tuple[Signals, Emulator]:
