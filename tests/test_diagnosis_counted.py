@@ -59,7 +59,7 @@ def test_the_speed_is_known_whatever_the_encoder_counts(interval: float, counts:
     assert rms(signals.smooth_x - x) < 0.5 * rms(signals.x - x)
 
 
-@pytest.mark.thorough(but_one_in=2)
+@pytest.mark.thorough(but_one_in=3)
 @pytest.mark.parametrize("fed", [True, False])
 @pytest.mark.parametrize(
     ("interval", "added"),
