@@ -21,28 +21,28 @@ def _install(session: nox.Session, *groups: str) -> None:
     session.install("-e", ".", *arguments)
 
 
+def _run_tests(session: nox.Session, *arguments: str) -> None:
+    # One process a core, but each compiles what it calls and holds recordings: past four there is little to gain.
+    processes = str(min(os.cpu_count() or 1, 4))
+    # `python -m pytest` would put this folder on sys.path, where `datasets` would shadow another package.
+    session.run(
+        "pytest", "--numprocesses", processes, "--dist", "loadscope", *arguments, *session.posargs, env=ENV
+    )  # fmt: skip
+
+
 @nox.session
 def tests(session: nox.Session) -> None:
     """The test suite with statement coverage, which must not fall below 90 %."""
     _install(session, "test")
     session.run("coverage", "erase")
-    # One process a core, but each compiles what it calls and holds recordings: past four there is little to gain.
-    processes = str(min(os.cpu_count() or 1, 4))
-    # `python -m pytest` would put this folder on sys.path, where `datasets` would shadow another package.
-    session.run(
-        "pytest", "--numprocesses", processes, "--dist", "loadscope",
-        "--cov", "--cov-report=term:skip-covered", "--cov-fail-under=90", *session.posargs, env=ENV,
-    )  # fmt: skip
+    _run_tests(session, "--cov", "--cov-report=term:skip-covered", "--cov-fail-under=90")
 
 
 @nox.session
 def thorough(session: nox.Session) -> None:
-    """The test suite with every further case of a rule, which takes half as long again."""
+    """The test suite with all that `tests` leaves out, which takes half as long again."""
     _install(session, "test")
-    processes = str(min(os.cpu_count() or 1, 4))
-    session.run(
-        "pytest", "--numprocesses", processes, "--dist", "loadscope", "--thorough", *session.posargs, env=ENV
-    )  # fmt: skip
+    _run_tests(session, "--thorough")
 
 
 @nox.session

@@ -150,7 +150,7 @@ def margins(found: Diagnosis, time: Floats, x: Floats) -> list[float]:
         step = -(-x.size // MOST_SAMPLES)
         time, x, y_sim, share = time[::step], x[::step], y_sim[::step], share * step
     blank = Signals(time, x, y_sim, y_sim, [slice(0, x.size)], _as_recorded(found.signals, time))
-    scene = SimulatorScene(blank, replace(known.along(blank), error=known.error))
+    scene = SimulatorScene(blank, known.along(blank))
     # What the verdict leaves now will be as correlated then.
     usual = max(SETTLED / found.choice.tempered, SAME_BY_EYE * trusted(together))
     made = []

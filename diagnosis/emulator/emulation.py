@@ -322,7 +322,8 @@ def emulate(signals: Signals, model: Any | None) -> Emulator:
         content = tuple(None if series is None else series.tobytes() for series in told)
         return _identified(_Simulated((*content, ends, signals.timed), signals))
     # A model at hand answers for its memory itself.
-    return _of_model(model, Generalised(signals, anywhere=False).parameters(), signals)
+    split = Generalised(signals, anywhere=False).parameters()
+    return _of_model(model, split, "the simulator itself", 0.0, signals)
 
 
 @dataclass(frozen=True)
@@ -350,8 +351,9 @@ def _identified(simulated: _Simulated) -> Emulator:
         predict = _from_recorded_start(rival, signals)
         error = relative_error(predict(signals.x)[own.known], signals.y_sim[own.known])
         if error < best.error:
-            described = _of_model(rival, best.split, signals)
-            best = replace(described, name=name, error=error, predict=predict, warm_up=best.warm_up)
+            tangents = best.structure, best.bulk, best.parts
+            described = _of_model(rival, best.split, name, error, signals, tangents)
+            best = replace(described, predict=predict, warm_up=best.warm_up)
     return best
 
 
@@ -392,13 +394,18 @@ def answers_of(model: Any, signals: Signals) -> Callable[[Floats], Floats]:
     return predict
 
 
-def _of_model(model: Any, split: Mapping[str, Any], signals: Signals) -> Emulator:
+def _of_model(
+    model: Any, split: Mapping[str, Any], name: str, error: float, signals: Signals,
+    tangents: tuple[Floats, Floats, Floats] | None = None,
+) -> Emulator:  # fmt: skip
+    """A registered model as the emulator, with the ``tangents`` of the built-in one where they are known already."""
+
     def anew(x: Floats) -> Floats:
         time = signals.interval * np.arange(x.size, dtype=np.float64)
         return np.asarray(model.predict(x, **time_argument(model.predict, time)))
 
     described = {"model": model.id, "parameters": dict(model.parameters_), "split": split}
     return Emulator(
-        "the simulator itself", 0.0, answers_of(model, signals), anew, *tangent(split, signals), described, split,
-        along=functools.partial(_of_model, model, split),
+        name, error, answers_of(model, signals), anew, *(tangents or tangent(split, signals)), described, split,
+        along=functools.partial(_of_model, model, split, name, error),
     )  # fmt: skip

@@ -354,9 +354,6 @@ class Generalised:
     def predict(self, x: Floats) -> Floats:
         return predict_beside(self.parameters(), self.signals, x)
 
-    def anew(self, x: Floats) -> Floats:
-        return predict_anew(self.parameters(), self.signals.interval, x)
-
 
 def predict_anew(parameters: Mapping[str, Any], interval: float, x: Floats) -> Floats:
     """Output of what was identified over one new motion, of samples ``interval`` seconds apart."""

@@ -41,8 +41,8 @@ of simulators that were not it was 0.065 at most."""
 
 def along_what_it_follows(signals: Signals) -> tuple[Signals, Emulator]:
     """A simulator of which only the output is known, along the recorded deflection or, where it follows that, along the smoothed one."""
-    quiet = replace(signals, x=signals.smooth_x, recorded=signals.x)
-    if rms(quiet.x - signals.x) < SEEN * signals.reach or _is_stirred_by(signals.x - quiet.x, signals):
+    quiet = _smoothed(signals)
+    if quiet is None or _is_stirred_by(signals.x - quiet.x, signals):
         return signals, emulate(signals, None)
     along = emulate(quiet, None)
     if along.error < EMULATED:
@@ -50,6 +50,12 @@ def along_what_it_follows(signals: Signals) -> tuple[Signals, Emulator]:
     # Smoothing rounds what a simulator may know to be sharp.
     as_recorded = emulate(signals, None)
     return (quiet, along) if along.error < as_recorded.error else (signals, as_recorded)
+
+
+def _smoothed(signals: Signals) -> Signals | None:
+    """The signals along the smoothed deflection; None where that differs by no more than the rounding of numbers."""
+    quiet = replace(signals, x=signals.smooth_x, recorded=signals.x)
+    return None if rms(quiet.x - signals.x) < SEEN * signals.reach else quiet
 
 
 def _is_stirred_by(noise: Floats, signals: Signals) -> bool:
@@ -65,8 +71,8 @@ def _roughness(series: Floats, signals: Signals) -> Floats:
 
 def without_jitter(signals: Signals, emulator: Emulator) -> tuple[Signals, Emulator]:
     """The simulator along the smoothed deflection, where the gap shows the noise of the recorded one; else all as it was."""
-    quiet = replace(signals, x=signals.smooth_x, recorded=signals.x)
-    if rms(quiet.x - signals.x) < SEEN * signals.reach:
+    quiet = _smoothed(signals)
+    if quiet is None:
         return signals, emulator
     predict = emulator.predict
     if emulator.parameters["model"] == GENERALISED:
