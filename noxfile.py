@@ -40,7 +40,7 @@ def tests(session: nox.Session) -> None:
 
 @nox.session
 def thorough(session: nox.Session) -> None:
-    """The test suite with all that `tests` leaves out, which takes half as long again."""
+    """The test suite with all that `tests` leaves out, which takes almost twice as long."""
     _install(session, "test")
     _run_tests(session, "--thorough")
 

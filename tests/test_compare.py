@@ -238,6 +238,7 @@ def test_a_planted_loss_of_three_percent_in_one_model_is_caught(tmp_path: Path, 
     assert {d.cell.split(" / ")[0] for d in comparison.differences} == {"cubic"}
 
 
+@pytest.mark.no_cover
 def test_a_hundred_runs_without_a_change_never_alarm(tmp_path: Path) -> None:
     runs = [real_run(tmp_path / str(k), ("noisy",)) for k in range(11)]
     # Times scatter by a tenth here, however busy the machine is.

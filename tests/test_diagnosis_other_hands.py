@@ -240,7 +240,7 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
 }  # fmt: skip
 
 
-@pytest.mark.thorough(but_one_in=2)
+@pytest.mark.thorough(but_one_in=5)
 @pytest.mark.parametrize("law", LAWS)
 def test_a_law_of_another_hand_is_named(law: str) -> None:
     expected, made = LAWS[law]

@@ -28,8 +28,8 @@ Floats = NDArray[np.float64]
 @pytest.mark.parametrize(
     ("phases", "presliding", "level", "stops", "stiffness", "offset"),
     [
-        ((2.6, 5.8, 1.7, 0.4), 0.05, 0.5, (0.53, 0.55), 6.0, 0.5),
         ((5.7, 0.4, 4.2, 3.0), 0.05, 2.0, (0.37, 0.37), 24.0, 0.25),
+        ((2.6, 5.8, 1.7, 0.4), 0.05, 0.5, (0.53, 0.55), 6.0, 0.5),
     ],
 )
 def test_stops_in_mid_stroke_and_an_offset_are_found_together(
