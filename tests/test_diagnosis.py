@@ -219,6 +219,14 @@ def test_an_excluded_effect_is_not_named() -> None:
     assert found.verdict == ["unknown"] or found.confidence < 0.9
 
 
+def test_as_few_as_two_effects_may_be_left_to_consider() -> None:
+    rest = set(registry.ids()) - {"viscous_friction", "torque_offset"}
+    found = diagnose(signals(lambda t, x, y: 0.05 + 0.04 * np.gradient(x, t)), exclude=rest)
+    assert set(found.verdict) == {"viscous_friction", "torque_offset"}
+    # One of them does not explain the gap, and there is none that could stand beside it.
+    assert diagnose(signals(viscous), exclude={*rest, "viscous_friction"}).verdict == ["unknown"]
+
+
 def test_backlash_is_found_through_the_emulator() -> None:
     half, at = 0.008, 0.0
     _, x = motion()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -203,6 +203,9 @@ def search(library: Library, wide: int = 9, most: int = 3) -> list[Hypothesis]:
                     names = names | {library.terms[numbers[0]].form.name}
                 if names not in sets or score > sets[names][0]:
                     sets[names] = (score, numbers)
+        if not sets:
+            # No more effects are considered than these already take.
+            break
         ranked = sorted(sets.values(), key=lambda item: -item[0])
         count = wide
         if size == 1:
@@ -234,6 +237,11 @@ def search(library: Library, wide: int = 9, most: int = 3) -> list[Hypothesis]:
             for better, numbers in _pairs_beside_exact(library, exact):
                 _keep(refined, better, numbers)
                 _note_exact(exact, better)
+        if size == 2 and not any(_leaves_nothing(evidence, fitted, FINE) for fitted, _ in refined.values()):
+            for fitted, numbers in list(refined.values()):
+                if better := _with_a_law_at_hand(evidence, fitted):
+                    _keep(refined, better, numbers)
+                    _note_exact(exact, better)
         least = best_of_smaller + HARDLY * evidence.effective
         if size > 1 and max(fitted.score for fitted, _ in refined.values()) > least:
             # In company only the most likely sets are worth other forms.
@@ -406,15 +414,33 @@ def _with_shapes_of_larger(
 
 def successors(evidence: Evidence, fitted: Hypothesis, scales: Sequence[Scale] = ()) -> list[Hypothesis]:
     """The same effects with one form replaced by those that start where it ended, refined beside simulators of ``scales``."""
-    made = []
+    return [_refined(evidence, terms, scales) for terms in _from_there(evidence, fitted)]
+
+
+def _from_there(evidence: Evidence, fitted: Hypothesis, alike: bool = False) -> Iterator[list[Term]]:
+    """The terms with one law replaced by each of those that start where it ended.
+
+    If ``alike``, also by those with the same shape parameters.
+    """
     for k, (term, own) in enumerate(zip(fitted.terms, spans(fitted.terms), strict=True)):
-        coefficients = fitted.coefficients[own]
         for form in evidence.forms_of(term.effect):
             if term.form.name in form.refines:
-                shape = form.start(term.shape, coefficients) if form.start else term.shape
-                terms = _with_law(fitted, k, form, shape)
-                made.append(_refined(evidence, terms, scales))
-    return made
+                shape = form.start(term.shape, fitted.coefficients[own]) if form.start else term.shape
+                yield _with_law(fitted, k, form, shape)
+            elif alike and form.shapes == term.form.shapes and form.name != term.form.name:
+                yield _with_law(fitted, k, form, term.shape)
+
+
+def _with_a_law_at_hand(evidence: Evidence, fitted: Hypothesis) -> Hypothesis | None:
+    """The same effects with one law replaced by the best that can start from its shape, where that is better as it starts.
+
+    This takes no refinement of each, and no set falls behind for a law that only alone was the best.
+    """
+    made = (evidence.fit(terms) for terms in _from_there(evidence, fitted, alike=True))
+    best = max(made, key=lambda hypothesis: hypothesis.score, default=fitted)
+    if best.score <= fitted.score + HARDLY * evidence.effective:
+        return None
+    return _refined(evidence, best.terms)
 
 
 def _with_law(fitted: Hypothesis, k: int, form: Form, shape: Sequence[float]) -> list[Term]:
