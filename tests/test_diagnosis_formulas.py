@@ -179,6 +179,11 @@ def carried_out(form: Form, values: dict[str, Any]) -> Floats:
         text, _, inner = text.partition(",  s = ")
         known["s"] = eval(inner, {}, known)
         result = eval(text, {}, known)
+    elif ",  y = " in text:
+        text, _, then = text.partition(",  y = ")
+        known["x"] = eval(text, {}, known)
+        known["y"] = known["y"] + at.torque_change(known["x"])
+        return eval(then, {}, known) - at.torque
     else:
         result = eval(text.partition(", in the")[0].partition(", and ")[0], {}, known)
     if head == "y":

@@ -39,6 +39,12 @@ def gap_off_centre(middle: float, half: float) -> Floats:
     return joint(X - np.clip(X - middle, -half, half) + np.clip(-middle, -half, half))
 
 
+def strapped(half: float) -> Floats:
+    """A joint behind a strap that is slack about zero and can only pull, so that no friction is felt behind it then."""
+    behind = X - np.clip(X, -half, half)
+    return np.where(behind > 0.0, np.maximum(joint(behind), 0.0), np.minimum(joint(behind), 0.0)) * (behind != 0.0)
+
+
 def ahead(half: float) -> Floats:
     """How far the motion is ahead of what it drags through a clearance of ±``half``."""
     at, out = 0.0, np.zeros_like(X)
@@ -130,6 +136,7 @@ def voltage_limit(y: Floats, limit: float, idle: float) -> Floats:
 
 
 LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
+    "a strap that goes slack": ("backlash", lambda: strapped(0.01)),
     "warm grease": ("thermal_drift", lambda: spring(X) + friction(X) * (1.0 - 0.5 * (1.0 - np.exp(-TIME / 9.0)))),
     "room temperature": ("thermal_drift", lambda: joint(X) * (1.0 + 0.06 * np.sin(2.0 * np.pi * TIME / 30.0))),
     "a spring that wears": ("cyclic_softening", lambda: spring(X) * (1.0 - 0.15 * np.sqrt(TRAVEL / TRAVEL[-1])) + friction(X)),

@@ -69,6 +69,13 @@ def _gap(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return x - np.clip(x, -half, half)
 
 
+def _pressed_alone(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    """What a gap about zero adds whose flanks, as a strap's or a jaw's, press and do not pull, N·m, shape (n, 1)."""
+    behind = _gap(scene, shape)
+    side = np.sign(behind)
+    return (side * np.maximum(side * (scene.torque + scene.torque_change(behind)), 0.0) - scene.torque)[:, None]
+
+
 def _gap_elsewhere(scene: Scene, shape: tuple[float, ...]) -> Floats:
     x, half, middle = scene.signals.x, 0.5 * shape[0], shape[1]
     # The joint was zeroed where it lay at rest.
@@ -276,7 +283,7 @@ class Backlash(Effect):
         "clearance that must be crossed after a turn, or around zero torque, before torque builds up"
     )
     equation: ClassVar[str] = (
-        "x → play(x; b/2), ± b/2 where it was zeroed at a flank, or the mean of plays from b/2 (1 − c) to b/2 (1 + c), x → x − clip(x − m, ±b/2), + clip(−m, ±b/2) if zeroed there, "
+        "x → play(x; b/2), ± b/2 where it was zeroed at a flank, or the mean of plays from b/2 (1 − c) to b/2 (1 + c), x → x − clip(x − m, ±b/2), + clip(−m, ±b/2) if zeroed there or without torque that pulls, "
         "x → x − b/2 tanh(2x/b), each also in the elastic part of y_sim alone (the first in its friction), or x → x − g, g across ±b/2 where y passes "
         "zero (at once, as b/2 tanh(y/f), there or where y was without it, or a load of inertia J that swings across and hits)"
     )
@@ -320,6 +327,9 @@ class Backlash(Effect):
                      "lost motion at turns", lambda shape, coefficients: (shape[0], 0.5)),
             *_either("gap around zero", _gap, ("clearance",), grid[2::2], limits,
                      "x = x - clip(x, -clearance / 2, clearance / 2)"),
+            Form("gap around zero, flanks that only press", ("_unit",), _pressed_alone, (1.0,), (1.0,), ("clearance",), (), limits,
+                 ("gap around zero", "gap at zero torque"),
+                 equation="x = x - clip(x, -clearance / 2, clearance / 2),  y = sign(x) * maximum(sign(x) * y, 0)"),
             Form("gap elsewhere", ("_unit",), _before(_gap_elsewhere), (1.0,), (1.0,), ("clearance", "middle"),
                  [(b * far, amid + side * m * far) for b in (0.02, 0.05, 0.12, 0.3) for m in _middles(b) for side in (-1.0, 1.0)],
                  elsewhere, equation=at),
