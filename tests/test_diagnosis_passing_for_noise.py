@@ -93,6 +93,18 @@ def test_a_rough_deflection_is_not_taken_for_a_rough_torque() -> None:
     assert roughness(seen) == 0.0
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_chatter_while_the_joint_creeps_is_no_noise_behind_a_low_pass(seed: int) -> None:
+    """Stick and slip at a quarter of the samples' rate, in a band of low speeds."""
+    rng = np.random.default_rng(seed)
+    speed = np.abs(np.gradient(X, TIME))
+    band = np.exp(-(((speed / np.quantile(speed, 0.15) - 1.0) / 0.7) ** 2))
+    turns = np.cumsum(rng.uniform(0.15, 0.32, X.size))
+    chatter = 2.0 * (turns % 1.0) - 1.0
+    found = diagnosed(joint(X) + 8.0 * NOISE * band * chatter)
+    assert found.verdict == ["unknown"]
+
+
 # ---- spikes ------------------------------------------------------------------------------------------------------------
 
 

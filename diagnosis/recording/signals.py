@@ -103,6 +103,10 @@ class Signals:
     def noise_floor(self) -> float:
         """Standard deviation of the white noise on the gap, N·m: what no simulator can close."""
         measured = self._noise_levels[self.stride - 1]
+        at_rest, moving = at_rest_and_moving(self.gap, self.speed, self.runs, self.stride)
+        if at_rest > STRONGER * moving:
+            # The joint chatters while it creeps, or turns within few samples.
+            measured = min(measured, moving)
         # A noise-free (synthetic) recording still has the resolution of its numbers.
         return max(measured, 1e-5 * float(np.std(self.y_real)), 1e-300)
 
@@ -120,13 +124,15 @@ class Signals:
 
     @cached_property
     def _apart(self) -> int:
-        """Samples apart from where noise is correlated no more; a ripple that looks like noise behind a low pass is none."""
+        """Samples apart from where noise is correlated no more; what looks like noise behind a low pass and knows how fast the joint moves is none."""
         apart = independent(self._noise_levels)
-        if apart <= FARTHEST:
-            return apart
-        # Neighbours are still too near for a ripple to rise above white noise.
+        if apart == 1:
+            return 1
         at_rest, moving = at_rest_and_moving(self.gap, self.speed, self.runs, 2)
-        return 1 if moving > STRONGER * at_rest else apart
+        # Neighbours as near as these do not show a ripple above white noise.
+        passed_fast = apart > FARTHEST and moving > STRONGER * at_rest
+        chatters = at_rest > STRONGER * moving
+        return 1 if passed_fast or chatters else apart
 
     @cached_property
     def _noise_levels(self) -> list[float]:
