@@ -564,6 +564,28 @@ def slid(x: Floats, length: float, exponent: float) -> Floats:
     return out
 
 
+def belt_tensioner(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """An arm on a preloaded spring that rubs by what it carries, less where it lets go than where it is pressed."""
+    carried = 4.0 * (1.0 - e) * (0.9 * (1.0 + e) + x)
+    z = slid(x, 0.07 * (1.0 + e), 1.4 * (1.0 - e))
+    return carried * (1.0 + np.where(z > 0.0, 0.35 * (1.0 + e), 0.15 * (1.0 - e)) * z)
+
+
+@compiled
+def snubber(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """A hardening spring and a wedge that it presses, which holds less on the way back to the middle, in small steps."""
+    stiffness, z, out = 12.0 * (1.0 - e), 0.0, np.zeros(x.size)
+    for i in range(1, x.size):
+        step = (x[i] - x[i - 1]) / 40
+        for k in range(40):
+            place = x[i - 1] + step * (k + 0.5)
+            level = (0.3 * (1.0 + e) + 0.5 * (1.0 - e) * abs(place)) * (0.6 * (1.0 + e) if place * step < 0.0 else 1.0)
+            towards = np.sign(step) * level
+            z = towards + (z - towards) * np.exp(-stiffness * abs(step) / level)
+        out[i] = 3.0 * (1.0 + e) * x[i] + 1.5 * (1.0 - e) * x[i] ** 5 + z
+    return out
+
+
 def strain_wave_gear(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """A stiffness for each of three ranges, as its catalogue tells them, and friction that yields gradually."""
     places = np.array([0.0, 0.25 * (1.0 + e), 0.6 * (1.0 - e), 2.0])
@@ -645,6 +667,8 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "antagonists": (antagonists, 0.001),
     "progressive": (progressive, 0.002),
     "slack tendons": (slack_tendons, 0.002),
+    "belt tensioner": (belt_tensioner, 0.001),
+    "snubber": (snubber, 0.002),
     "magnet": (magnet, 0.001),
     "steel": (steel, 0.002),
 }

@@ -26,6 +26,7 @@ from .motion import Extent, Motion
 from .single_elements import (
     at_low_speed,
     behind_play,
+    belt,
     beyond_clearance,
     breaking_away,
     by_speed,
@@ -52,6 +53,7 @@ from .single_elements import (
     rubber_splined,
     saturating,
     slipping,
+    snubber,
     softly_beyond_clearance,
     stops,
     stribeck,
@@ -294,6 +296,29 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         {1: (0.0, np.inf)},
         limits=lambda extent: extent.capstan * [[0.002, 0.02, -2.0, -4.0], [1.0, 3.0, 2.0, 4.0]],
         signed=(2, 3),
+        shared=(0, 1),
+    ),
+    # Tensioners of belts, whose arms rub by what they carry, more or less as they are pressed or let go.
+    "a few belts": Kind(
+        MEMORY, True,
+        lambda extent: extent.capstan * with_each(
+            np.geomspace(0.01, 0.3, 5), *itertools.product((1.0,), (0.5, 1.0, 2.0), (-0.8, -0.3, 0.3, 0.8))
+        ),
+        by_row(belt),
+        {1: (0.0, np.inf), 2: (0.0, np.inf)},
+        limits=lambda extent: extent.capstan * [[0.002, 0.02, 0.1, -2.0], [1.0, 3.0, 10.0, 2.0]],
+        signed=(3,),
+        shared=(0, 1),
+    ),
+    # Friction wedges of bogies, and leaves, which hold better on one way than on the other.
+    "a few snubbers": Kind(
+        MEMORY, True,
+        lambda extent: extent.capstan * with_each(
+            np.geomspace(0.01, 0.3, 5), *itertools.product((1.0,), (0.5, 1.0, 2.0), (0.5, 2.0))
+        ),
+        by_row(snubber),
+        {1: (0.0, np.inf), 2: (0.0, np.inf)},
+        limits=lambda extent: extent.capstan * [[0.002, 0.02, 0.1, 0.01], [1.0, 3.0, 10.0, 20.0]],
         shared=(0, 1),
     ),
     # Antagonists whose tendons go slack, on springs that stiffen.

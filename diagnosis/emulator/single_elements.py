@@ -24,6 +24,7 @@ from .motion import Motion
 __all__ = [
     "at_low_speed",
     "behind_play",
+    "belt",
     "beyond_clearance",
     "by_speed",
     "by_speed_and_side",
@@ -47,6 +48,7 @@ __all__ = [
     "rubber",
     "rubber_splined",
     "slipping",
+    "snubber",
     "softly_beyond_clearance",
     "stops",
     "stribeck",
@@ -131,6 +133,33 @@ def _wrapped(motion: Motion, length: float, exponent: float, wrap: float) -> Flo
     """What friction of a capstan adds to a tension of one, over ``wrap``; times the slider's length."""
     slid = motion.from_rest(friction, length=length, exponent=exponent)
     return np.asarray(length * (np.expm1(wrap * slid) / wrap if wrap else slid))
+
+
+def belt(motion: Motion, length: float, exponent: float, back: float, growth: float) -> Floats:
+    """Friction by what a belt's tensioner carries, 1 + ``growth`` x (1/rad) at the deflection x, ``back`` times as much where it lets go.
+
+    A slider by Dahl of this ``length`` (rad) and ``exponent``, whose side tells that.
+    """
+    slid = motion.from_rest(friction, length=length, exponent=exponent)
+    return np.asarray(length * (1.0 + growth * motion.x) * np.where(slid > 0.0, slid, back * slid))
+
+
+def snubber(motion: Motion, length: float, exponent: float, back: float, growth: float) -> Floats:
+    """A slider by Dahl of this ``length`` (rad) and ``exponent`` that wedges press, the more the farther off the middle.
+
+    By ``growth`` (1/rad); it gives way at ``back`` times as much on the way back to the middle.
+    """
+
+    def answer(x: Floats) -> Floats:
+        # On its way through the middle it turns from returning to moving out: no sample is there.
+        passed = np.flatnonzero(x[1:] * x[:-1] < 0.0) + 1
+        way = np.insert(x, passed, 0.0)
+        middle = 0.5 * (way + np.concatenate([way[:1], way[:-1]]))
+        returns = middle * np.diff(way, prepend=way[0]) < 0.0
+        level = (1.0 + growth * np.abs(middle)) * np.where(returns, back, 1.0)
+        return yielding(way, level, length, exponent)[np.insert(np.ones(x.size, dtype=bool), passed, False)]
+
+    return length * motion.from_rest(answer)
 
 
 def tendon(motion: Motion, length: float, exponent: float, wrap: float, place: float, width: float) -> Floats:
