@@ -586,6 +586,29 @@ def snubber(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return out
 
 
+def geared_bristles(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Bristles of a gear, whose level the load presses up and speed down, by the way between samples."""
+    load, speed = 3.0 * (1.0 - e) * x + 1.2 * (1.0 + e) * x**3, np.gradient(x, time)
+    level = (0.2 * (1.0 + e) + 0.12 * np.abs(x) * 3.0) * (1.0 + 0.5 * (1.0 - e) * np.exp(-np.square(speed / 0.2)))
+    z, out = 0.0, np.zeros(x.size)
+    for i in range(1, x.size):
+        towards = np.sign(x[i] - x[i - 1]) * level[i]
+        z = towards + (z - towards) * np.exp(-12.0 * abs(x[i] - x[i - 1]) / level[i])
+        out[i] = z
+    return load + out + 0.03 * (1.0 + e) * speed
+
+
+def on_its_side(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Sliders that a weight presses, from one side, so that they hold better the farther it leans there."""
+    forces, out = np.zeros(3), 3.0 * (1.0 + e) * x
+    stiffness, limits = np.array([6.0, 4.0, 2.0]) * (1.0 - e), np.array([0.6, 1.2, 1.2]) * (1.0 + e)
+    for i in range(1, x.size):
+        most = limits * (1.0 + 0.5 * (1.0 - e) * x[i])
+        forces = np.clip(forces + stiffness * (x[i] - x[i - 1]), -most, most)
+        out[i] += forces.sum()
+    return out
+
+
 def strain_wave_gear(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """A stiffness for each of three ranges, as its catalogue tells them, and friction that yields gradually."""
     places = np.array([0.0, 0.25 * (1.0 + e), 0.6 * (1.0 - e), 2.0])
@@ -669,6 +692,8 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "slack tendons": (slack_tendons, 0.002),
     "belt tensioner": (belt_tensioner, 0.001),
     "snubber": (snubber, 0.002),
+    "geared bristles": (geared_bristles, 0.003),
+    "on its side": (on_its_side, 0.001),
     "magnet": (magnet, 0.001),
     "steel": (steel, 0.002),
 }

@@ -15,6 +15,8 @@ __all__ = ["StressRelaxation"]
 
 AWAY = 0.02
 """Deflection of the first sample, over the reach, from which it is not sure that the joint had been at rest."""
+NONE = 1e-4
+"""Preload, over the torque's deviation, that is none."""
 QUICK = 0.25
 """Radians of the motion's mean frequency within which a branch relaxes at least."""
 
@@ -75,9 +77,15 @@ def _springpot(part: Callable[[Scene], Floats]) -> Columns:
     return lambda scene, shape: scene.signals.fractional(part(scene), shape[0])[:, None]
 
 
+def _preload(scene: Scene) -> float:
+    """Torque of the joint's spring where the deflection is zero, N·m: what crept under it had when the joint was zeroed."""
+    at_zero = float(np.median(scene.spring + scene.spring_change(np.zeros_like(scene.signals.x))))
+    return at_zero if abs(at_zero) > NONE * float(np.std(scene.torque)) else 0.0
+
+
 def _crept(scene: Scene, time_constant: float) -> Floats:
     """What a spring and a dashpot side by side, in series with the joint, are stretched by for a compliance of one."""
-    return scene.signals.lowpass(scene.signals.y_real, time_constant)
+    return scene.signals.lowpass(scene.signals.y_real - _preload(scene), time_constant)
 
 
 def _in_series(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -254,9 +262,11 @@ class StressRelaxation(Effect):
             )  # fmt: skip
 
         settled = f"lowpass({SPRING.symbol}, time_constant)"
-        in_series = "x = x - compliance * lowpass(y, time_constant)"
+        preload = _preload(scene)
+        loaded = f"y {'+' if preload < 0.0 else '-'} {abs(preload):.8g}" if preload else "y"
+        in_series = f"x = x - compliance * lowpass({loaded}, time_constant)"
         # As soft as that the joint itself would hardly move.
-        soft = 0.5 * s.reach / max(float(np.max(np.abs(s.y_real))), 1e-300)
+        soft = 0.5 * s.reach / max(float(np.max(np.abs(s.y_real - preload))), 1e-300)
         pairs = [(a, b) for a in times[::2] for b in times[1::2] if b > 4.0 * a]
         of_two, told_two = _law(DEFLECTION, False, *two("stiffness"))
         of_three, told_three = _law(DEFLECTION, False, *three("stiffness"))

@@ -43,6 +43,7 @@ from .single_elements import (
     lagging,
     lagging_together,
     leaking_chamber,
+    leaning,
     leaves,
     levered,
     magnet,
@@ -57,6 +58,7 @@ from .single_elements import (
     softly_beyond_clearance,
     stops,
     stribeck,
+    stribeck_pressed,
     stronger_at_rest,
     stronger_in_motion,
     switching,
@@ -374,6 +376,17 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
             [0.003 * extent.reach, 0.1 * extent.reach, 0.5], [1.0 * extent.reach, 30.0 * extent.reach, 4.0],
         ]),
     ),
+    # And by a load that only presses from one side, as a weight or a preload.
+    "a few sliders pressed from one side": Kind(
+        MEMORY, True,
+        lambda extent: extent.lever[:2] * with_each(np.geomspace(0.01, 0.4, 6), (-0.9,), (-0.4,), (0.4,), (0.9,)),
+        by_row(leaning),
+        limits=lambda extent: extent.lever[:2] * [[0.003, -3.0], [2.0, 3.0]],
+        signed=(1,),
+        shared=(1,),
+        last=True,
+        alone=True,
+    ),
     # Magnetic couplings and piezo stages: stops that share an envelope, as plays do in generalised Prandtl-Ishlinskii models.
     "a few stops that saturate": Kind(
         MEMORY, True,
@@ -531,6 +544,17 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         later=(3, 4),
         exact=(4,),
         by_speed=True,
+    ),
+    # The same in gears and bearings that the spring's load presses.
+    "a few Stribeck sliders pressed by the load": Kind(
+        MEMORY, True,
+        lambda extent: extent.geared * with_each(
+            np.array([0.004, 0.012, 0.04, 0.12]), *itertools.product((0.1, 0.5), (0.5, 1.5), (0.5, 3.0))
+        ),
+        by_row(stribeck_pressed),
+        limits=lambda extent: extent.geared * [[0.001, 0.003, 0.02, 0.02], [1.0, 5.0, 6.0, 30.0]],
+        by_speed=True,
+        like="a few Stribeck sliders",
     ),
     # The same that does not creep at small torques: Dupont et al. (IEEE TAC 47, 2002).
     "a few elasto-plastic sliders": Kind(

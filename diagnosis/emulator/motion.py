@@ -181,6 +181,11 @@ class Extent:
         return np.array([self.reach, 1.0, 1.0, 1.0 / self.reach])
 
     @property
+    def geared(self) -> Floats:
+        """The same of a bristle that the load presses: rad, rad/s, 1, 1/rad; shape (4,)."""
+        return np.array([self.reach, self.fast, 1.0, 1.0 / self.reach])
+
+    @property
     def tendon(self) -> Floats:
         """The same of one whose tension grows by the square: rad, 1, 1, rad, rad; shape (5,)."""
         return np.array([self.reach, 1.0, 1.0, self.reach, self.reach])

@@ -17,7 +17,7 @@ from ..operators.chambers import chamber
 from ..operators.kernels import kernel
 from ..operators.levels import attracted, elastoplastic, yielding
 from ..operators.magnetic import magnetised
-from ..operators.memory import bristle, enveloped, hyperbolic, lagged, lowpass, plays
+from ..operators.memory import bristle, enveloped, hyperbolic, lagged, lowpass, plays, pressed
 from ..operators.superelastic import superelastic
 from .motion import Motion
 
@@ -39,6 +39,7 @@ __all__ = [
     "lag",
     "lagging",
     "lagging_together",
+    "leaning",
     "leaves",
     "levered",
     "magnet",
@@ -52,6 +53,7 @@ __all__ = [
     "softly_beyond_clearance",
     "stops",
     "stribeck",
+    "stribeck_pressed",
     "stronger_at_rest",
     "stronger_in_motion",
     "tendon",
@@ -59,6 +61,8 @@ __all__ = [
 ]
 
 Floats = NDArray[np.float64]
+LEAST = 0.02
+"""Share of its level at the middle that a stop keeps where nothing presses it."""
 
 
 def kink(motion: Motion, place: float) -> Floats:
@@ -172,6 +176,11 @@ def tendon(motion: Motion, length: float, exponent: float, wrap: float, place: f
     return np.asarray(np.square(pulled) * _wrapped(motion, length, exponent, side * wrap))
 
 
+def leaning(motion: Motion, length: float, growth: float) -> Floats:
+    """A stop that gives way at ``length``, rad, on its side of the middle later by ``growth`` (1/rad): pressed from one side."""
+    return motion.from_rest(lambda x: pressed(x, length, np.inf, 1.0, level=np.maximum(1.0 + growth * x, LEAST)))
+
+
 def rubber(motion: Motion, length: float) -> Floats:
     """Friction that has grown by half of what is left after ``length``, rad (Berg, Vehicle System Dynamics 30, 1998)."""
     return length * motion.from_rest(hyperbolic, length=length)
@@ -205,6 +214,11 @@ def stribeck(
     built_up = motion.from_rest(yielding, level, length=length)
     bending = motion.speed - np.abs(motion.speed) * built_up / level
     return length * built_up + damping * bending
+
+
+def stribeck_pressed(motion: Motion, length: float, pace: float, excess: float, growth: float) -> Floats:
+    """The same whose level grows by ``growth`` (1/rad) with the deflection, as the load of gears and bearings does."""
+    return stribeck(motion, length, pace, excess, level=1.0 + growth * np.abs(motion.x))
 
 
 def breaking_away(

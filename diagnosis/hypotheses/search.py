@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -28,6 +28,8 @@ DETAIL = 0.01
 """Relative error of a simulator's parameters that is none."""
 NOTHING = 0.15
 """Structure over the noise that is none: what a further effect could still bring is half of what company costs."""
+LEADING = 3
+"""Effects whose laws that start from none that was refined are looked at."""
 EXACT = 8
 """Laws that are also refined beside an exact simulator, at most two of an effect."""
 INHERITED = 3
@@ -230,6 +232,10 @@ def search(library: Library, wide: int = 9, most: int = 3) -> list[Hypothesis]:
                 _keep(refined, better, numbers)
                 _note_exact(exact, better)
         if size == 1:
+            if not _leaves_nothing(evidence, leading):
+                for better, numbers in _behind_other_laws(library, ranked[:count], refined):
+                    _keep(refined, better, numbers)
+                    _note_exact(exact, better)
             for better, numbers in _beside_exact(library):
                 _keep(refined, better, numbers)
                 _note_exact(exact, better)
@@ -332,6 +338,41 @@ def _note_exact(best: dict[frozenset[str], Hypothesis], fitted: Hypothesis) -> N
 
 def _score_beside_exact(fitted: Hypothesis) -> float:
     return max(score for scale, score in fitted.by_scale.items() if not is_refitted(scale))
+
+
+def _behind_other_laws(
+    library: Library,
+    moved: Sequence[_Scored],
+    refined: Mapping[frozenset[str], tuple[Hypothesis, tuple[int, ...]]],
+) -> list[tuple[Hypothesis, tuple[int, ...]]]:
+    """Of each of the best effects the best of the laws that start only from such as were not refined, refined.
+
+    Those ``moved`` were. What starts where a law ends that is only right of a small effect may be far better than that.
+    """
+    evidence = library.evidence
+    best: dict[str, float] = {}
+    for fitted, _ in refined.values():
+        name = fitted.terms[0].effect.id
+        best[name] = max(best.get(name, -np.inf), fitted.score)
+    least = max(best.values()) - NEAR * evidence.effective
+    near = {name for name in sorted(best, key=best.__getitem__)[-LEADING:] if best[name] > least}
+    tried = {library.terms[numbers[0]].law for _, numbers in moved}
+    first: dict[str, tuple[Hypothesis, tuple[int, ...]]] = {}
+    for number, term in enumerate(library.terms[: library.candidates]):
+        name = term.effect.id
+        if name not in near or term.law in tried:
+            continue
+        for terms in _from_there(evidence, evidence.fit([term])):
+            form = terms[0].form
+            if not form.guessed and not any((name, simpler) in tried for simpler in form.refines):
+                made = evidence.fit(terms)
+                if name not in first or made.score > first[name][0].score:
+                    first[name] = made, (number,)
+    return [
+        (_refined(evidence, made.terms), numbers)
+        for name, (made, numbers) in first.items()
+        if made.score > best[name] - AT_FIRST * evidence.effective
+    ]
 
 
 def _beside_exact(library: Library) -> list[tuple[Hypothesis, tuple[int, ...]]]:
