@@ -245,9 +245,9 @@ def search(library: Library, wide: int = 9, most: int = 3) -> list[Hypothesis]:
                 _note_exact(exact, better)
         if size == 2 and not any(_leaves_nothing(evidence, fitted, FINE) for fitted, _ in refined.values()):
             for fitted, numbers in list(refined.values()):
-                if better := _with_a_law_at_hand(evidence, fitted):
-                    _keep(refined, better, numbers)
-                    _note_exact(exact, better)
+                if at_hand := _with_a_law_at_hand(evidence, fitted):
+                    _keep(refined, at_hand, numbers)
+                    _note_exact(exact, at_hand)
         least = best_of_smaller + HARDLY * evidence.effective
         if size > 1 and max(fitted.score for fitted, _ in refined.values()) > least:
             # In company only the most likely sets are worth other forms.
