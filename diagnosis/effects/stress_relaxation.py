@@ -161,7 +161,7 @@ class StressRelaxation(Effect):
     summary: ClassVar[str] = "torque that decays during a hold and rises with rate (viscoelastic Maxwell branch)"
     equation: ClassVar[str] = (
         "y += Σ k_i (x − L_i),  τ_i dL_i/dt = x − L_i   (or with y_sim, or its elastic part, in place of k x; or y −= Σ s_i (L_i − r) of either, r being where the joint had rested before); or y += k dᵖx/dtᵖ with 0 < p < 1; "
-        "or y += k f,  df/dt = dx/dt − (f / τ) |f / X|^(p − 1) with the stroke X; or x → x − c,  τ dc/dt = y/K − c"
+        "or y += k f,  df/dt = dx/dt − (f / τ) |f / X|^(p − 1) with the stroke X; or x → x − c,  τ dc/dt = (y − p)/K − c with the preload p"
     )
     coordinate: ClassVar[str] = "time"
     parameters: ClassVar[tuple[Parameter, ...]] = (
