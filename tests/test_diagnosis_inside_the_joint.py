@@ -350,6 +350,7 @@ def test_a_model_file_tells_whether_it_was_fitted(tmp_path: Path) -> None:
     assert models.load(tmp_path / "given.json").fitted_samples_ == 0
 
 
+@pytest.mark.thorough
 def test_what_a_fitted_model_file_lacks_is_found_though_it_took_a_part_of_it(tmp_path: Path) -> None:
     real = []
     for rate in (0.4, 4.0):

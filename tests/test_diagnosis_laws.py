@@ -532,6 +532,7 @@ def test_what_excluded_effects_leave_is_never_called_no_gap() -> None:
     assert found.verdict != []
 
 
+@pytest.mark.thorough(but_one_in=2)
 @pytest.mark.parametrize(
     ("effect", "reason"),
     [

@@ -121,7 +121,7 @@ def test_without_a_clock_nothing_is_said_of_rates(timed: bool) -> None:
         assert of_time.isdisjoint(found.verdict)
 
 
-@pytest.mark.parametrize("kind", ["dahl", "prandtl-ishlinskii"])
+@pytest.mark.parametrize("kind", [pytest.param("dahl", marks=pytest.mark.thorough), "prandtl-ishlinskii"])
 def test_a_model_and_a_clearance_are_fitted_together(kind: str) -> None:
     made = []
     for rate, amplitude in ((0.4, 0.8), (0.5, 0.5), (0.45, 0.65)):
