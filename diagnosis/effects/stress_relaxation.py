@@ -78,9 +78,11 @@ def _springpot(part: Callable[[Scene], Floats]) -> Columns:
 
 
 def _preload(scene: Scene) -> float:
-    """Torque of the joint's spring where the deflection is zero, N·m: what crept under it had when the joint was zeroed."""
-    at_zero = float(np.median(scene.spring + scene.spring_change(np.zeros_like(scene.signals.x))))
-    return at_zero if abs(at_zero) > NONE * float(np.std(scene.torque)) else 0.0
+    """Torque of the joint's spring where the deflection is nil, or least, N·m: what crept under it had when the joint was zeroed."""
+    x = scene.signals.x
+    least = np.full_like(x, np.clip(0.0, x.min(), x.max()))
+    there = float(np.median(scene.spring + scene.spring_change(least)))
+    return there if abs(there) > NONE * float(np.std(scene.torque)) else 0.0
 
 
 def _crept(scene: Scene, time_constant: float) -> Floats:
