@@ -90,6 +90,13 @@ def _crept(scene: Scene, time_constant: float) -> Floats:
     return scene.signals.lowpass(scene.signals.y_real - _preload(scene), time_constant)
 
 
+def _crept_since_the_start(scene: Scene, time_constant: float) -> Floats:
+    """The same where nothing had crept when the recording began."""
+    s = scene.signals
+    first = s.per_run(lambda run: np.full(run.stop - run.start, s.y_real[run.start] - _preload(scene)))
+    return _crept(scene, time_constant) - first * np.exp(-s.elapsed / time_constant)
+
+
 def _in_series(scene: Scene, shape: tuple[float, ...]) -> Floats:
     """The first order of a small compliance."""
     crept = _crept(scene, shape[0])
@@ -97,8 +104,8 @@ def _in_series(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return scene.torque_change(scene.signals.x - small * crept)[:, None] / small
 
 
-def _compliant_in_series(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    return scene.torque_change(scene.signals.x - shape[1] * _crept(scene, shape[0]))[:, None]
+def _compliant_in_series(crept: Callable[[Scene, float], Floats]) -> Columns:
+    return lambda scene, shape: scene.torque_change(scene.signals.x - shape[1] * crept(scene, shape[0]))[:, None]
 
 
 def _law(part: Part, down: bool, *branches: tuple[str, str]) -> tuple[Columns, str]:
@@ -326,9 +333,13 @@ class StressRelaxation(Effect):
             yielding(dashpots[1], SPRING, "from the spring down", risen[1]),
             Form("creep in series, small", ("compliance",), _in_series, (0.0,), (np.inf,), ("time_constant",),
                  [(t,) for t in times[::2]], [limits], borders=[LOW], equation=in_series),
-            Form("creep in series", ("_unit",), _compliant_in_series, (1.0,), (1.0,), ("time_constant", "compliance"), (),
+            Form("creep in series", ("_unit",), _compliant_in_series(_crept), (1.0,), (1.0,), ("time_constant", "compliance"), (),
                  [limits, (1e-4 * soft, soft)], ("creep in series, small",), lambda shape, found: (*shape, float(found[0])),
                  borders=[LOW, NOT], equation=in_series),
+            Form("creep in series, since the start", ("_unit",), _compliant_in_series(_crept_since_the_start), (1.0,), (1.0,),
+                 ("time_constant", "compliance"), (), [limits, (1e-4 * soft, soft)], ("creep in series, small", "creep in series"),
+                 lambda shape, found: (*shape, float(found[0]))[:2], borders=[LOW, NOT],
+                 equation=f"x = x - compliance * (lowpass({loaded}, time_constant) - ({loaded} - rise(y)) * exp(-t / time_constant))"),
             found_anew("of a spring found anew, down", _missing, f"y -= lowpass({FOUND_SPRING_EQUATION}, time_constant)"),
             found_anew("of a spring found anew", _relaxing,
                        f"y += {FOUND_SPRING_EQUATION} - lowpass({FOUND_SPRING_EQUATION}, time_constant)"),
