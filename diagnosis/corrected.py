@@ -34,6 +34,8 @@ __all__ = ["CorrectedSimulator", "calibrated", "corrected_simulator", "formula"]
 Floats = NDArray[np.float64]
 ARRAYS = ("thresholds", "lengths", "elastic", "placed", "weights", "rates")
 NUMBERS = ("reach", "fast")
+ROUNDS, SETTLED = 20, 1e-4
+"""Times at most that effects are told the torque that they leave, and its change, over its deviation, that is none."""
 PLAIN, FEWEST = 2, 5
 """Samples of a plain difference, and the fewest of a local cubic that tells a speed from noise."""
 BEHIND = "behind"
@@ -180,7 +182,17 @@ class CorrectedSimulator(HysteresisModel):
         y = self._base(x)
         if not self._effects:
             return y
-        signals = self._signals(x, y)
+        made = self._with_effects(x, y, y)
+        # What creeps in series does so under the torque that it leaves.
+        for _ in range(ROUNDS):
+            before, made = made, self._with_effects(x, y, made)
+            if np.max(np.abs(made - before)) <= SETTLED * np.std(made):
+                break
+        return made
+
+    def _with_effects(self, x: Floats, y: Floats, felt: Floats) -> Floats:
+        """The simulator's output ``y`` (n,) with the effects, where those that follow the joint's torque follow ``felt`` (n,)."""
+        signals = replace(self._signals(x, y), y_real=felt)
         nothing = np.empty((x.size, 0))
         scene = SimulatorScene(
             signals, Emulator("", 0.0, self._base, self._base, nothing, nothing, nothing, {}, self._split)
@@ -194,7 +206,7 @@ class CorrectedSimulator(HysteresisModel):
                 coefficients += entry["coefficients"]
         guess = np.array(coefficients)
         columns = effect_columns(scene, terms, guess)
-        return y + columns @ guess
+        return np.asarray(y + columns @ guess)
 
 
 def _told_if(behind: bool) -> dict[str, bool]:
