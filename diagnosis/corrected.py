@@ -182,9 +182,9 @@ class CorrectedSimulator(HysteresisModel):
         y = self._base(x)
         if not self._effects:
             return y
-        made = self._with_effects(x, y, y)
+        made = y
         # What creeps in series does so under the torque that it leaves.
-        for _ in range(ROUNDS):
+        for _ in range(1 + ROUNDS):
             before, made = made, self._with_effects(x, y, made)
             if np.max(np.abs(made - before)) <= SETTLED * np.std(made):
                 break

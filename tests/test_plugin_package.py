@@ -26,7 +26,7 @@ def done(site: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, su
     folder = tmp_path_factory.mktemp("plugin-run")
     arguments = ("run", "--quick", "--datasets", "sample-loop", "--models", MODELS, "--out", "out")
     return folder / "out", hystbench(
-        *arguments, cwd=folder, site=site, HYSTBENCH_TIME_LIMIT="6", HYSTBENCH_MEMORY_LIMIT="0.5"
+        *arguments, cwd=folder, site=site, HYSTBENCH_TIME_LIMIT="10", HYSTBENCH_MEMORY_LIMIT="0.5"
     )
 
 
@@ -75,7 +75,7 @@ def test_a_model_from_another_package_runs_in_the_benchmark(
     [
         ("sample-raises", "failed", "RuntimeError: no <b>idea</b> what to do"),
         ("sample-nan", "failed", "the prediction is nan at sample 0"),
-        ("sample-hangs", "timeout", "took longer than 6 s"),
+        ("sample-hangs", "timeout", "took longer than 10 s"),
         ("sample-exits", "failed", "its process died"),
         ("sample-leaks", "failed", "MemoryError"),
         ("sample-interrupts", "failed", "KeyboardInterrupt"),

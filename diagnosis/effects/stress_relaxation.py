@@ -79,10 +79,14 @@ def _springpot(part: Callable[[Scene], Floats]) -> Columns:
 
 def _preload(scene: Scene) -> float:
     """Torque of the joint's spring where the deflection is nil, or least, N·m: what crept under it had when the joint was zeroed."""
-    x = scene.signals.x
-    least = np.full_like(x, np.clip(0.0, x.min(), x.max()))
-    there = float(np.median(scene.spring + scene.spring_change(least)))
-    return there if abs(there) > NONE * float(np.std(scene.torque)) else 0.0
+
+    def made() -> Floats:
+        x = scene.signals.x
+        least = np.full_like(x, np.clip(0.0, x.min(), x.max()))
+        there = np.median(scene.spring + scene.spring_change(least))
+        return np.array([there if abs(there) > NONE * np.std(scene.torque) else 0.0])
+
+    return float(scene.remembered("preload", made)[0])
 
 
 def _crept(scene: Scene, time_constant: float) -> Floats:
@@ -276,6 +280,11 @@ class StressRelaxation(Effect):
         in_series = f"x = x - compliance * lowpass({loaded}, time_constant)"
         # As soft as that the joint itself would hardly move.
         soft = 0.5 * s.reach / max(float(np.max(np.abs(s.y_real - preload))), 1e-300)
+        in_full = Form(
+            "creep in series", ("_unit",), _compliant_in_series(_crept), (1.0,), (1.0,), ("time_constant", "compliance"), (),
+            [limits, (1e-4 * soft, soft)], ("creep in series, small",), lambda shape, found: (*shape, float(found[0])),
+            borders=[LOW, NOT], equation=in_series,
+        )  # fmt: skip
         pairs = [(a, b) for a in times[::2] for b in times[1::2] if b > 4.0 * a]
         of_two, told_two = _law(DEFLECTION, False, *two("stiffness"))
         of_three, told_three = _law(DEFLECTION, False, *three("stiffness"))
@@ -333,13 +342,12 @@ class StressRelaxation(Effect):
             yielding(dashpots[1], SPRING, "from the spring down", risen[1]),
             Form("creep in series, small", ("compliance",), _in_series, (0.0,), (np.inf,), ("time_constant",),
                  [(t,) for t in times[::2]], [limits], borders=[LOW], equation=in_series),
-            Form("creep in series", ("_unit",), _compliant_in_series(_crept), (1.0,), (1.0,), ("time_constant", "compliance"), (),
-                 [limits, (1e-4 * soft, soft)], ("creep in series, small",), lambda shape, found: (*shape, float(found[0])),
-                 borders=[LOW, NOT], equation=in_series),
-            Form("creep in series, since the start", ("_unit",), _compliant_in_series(_crept_since_the_start), (1.0,), (1.0,),
-                 ("time_constant", "compliance"), (), [limits, (1e-4 * soft, soft)], ("creep in series, small", "creep in series"),
-                 lambda shape, found: (*shape, float(found[0]))[:2], borders=[LOW, NOT],
-                 equation=f"x = x - compliance * (lowpass({loaded}, time_constant) - ({loaded} - rise(y)) * exp(-t / time_constant))"),
+            in_full,
+            replace(
+                in_full, name="creep in series, since the start", columns=_compliant_in_series(_crept_since_the_start),
+                refines=(*in_full.refines, in_full.name), start=lambda shape, found: (*shape, float(found[0]))[:2],
+                equation=f"x = x - compliance * (lowpass({loaded}, time_constant) - ({loaded} - rise(y)) * exp(-t / time_constant))",
+            ),
             found_anew("of a spring found anew, down", _missing, f"y -= lowpass({FOUND_SPRING_EQUATION}, time_constant)"),
             found_anew("of a spring found anew", _relaxing,
                        f"y += {FOUND_SPRING_EQUATION} - lowpass({FOUND_SPRING_EQUATION}, time_constant)"),

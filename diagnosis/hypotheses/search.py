@@ -233,21 +233,13 @@ def search(library: Library, wide: int = 9, most: int = 3) -> list[Hypothesis]:
                 _note_exact(exact, better)
         if size == 1:
             if not _leaves_nothing(evidence, leading):
-                for better, numbers in _behind_other_laws(library, ranked[:count], refined):
-                    _keep(refined, better, numbers)
-                    _note_exact(exact, better)
-            for better, numbers in _beside_exact(library):
-                _keep(refined, better, numbers)
-                _note_exact(exact, better)
+                _take(_behind_other_laws(library, ranked[:count], refined), refined, exact)
+            _take(_beside_exact(library), refined, exact)
         if size == 2 and is_refitted(max(refined.values(), key=lambda item: item[0].score)[0].scale):
-            for better, numbers in _pairs_beside_exact(library, exact):
-                _keep(refined, better, numbers)
-                _note_exact(exact, better)
+            _take(_pairs_beside_exact(library, exact), refined, exact)
         if size == 2 and not any(_leaves_nothing(evidence, fitted, FINE) for fitted, _ in refined.values()):
-            for fitted, numbers in list(refined.values()):
-                if at_hand := _with_a_law_at_hand(evidence, fitted):
-                    _keep(refined, at_hand, numbers)
-                    _note_exact(exact, at_hand)
+            at_hand = [(_with_a_law_at_hand(evidence, fitted), numbers) for fitted, numbers in refined.values()]
+            _take([(better, numbers) for better, numbers in at_hand if better], refined, exact)
         least = best_of_smaller + HARDLY * evidence.effective
         if size > 1 and max(fitted.score for fitted, _ in refined.values()) > least:
             # In company only the most likely sets are worth other forms.
@@ -327,6 +319,17 @@ def _keep(
     """Keep in ``best`` what does best of each set of effects, with the terms it started from."""
     if fitted.names not in best or fitted.score > best[fitted.names][0].score:
         best[fitted.names] = (fitted, numbers)
+
+
+def _take(
+    found: Sequence[tuple[Hypothesis, tuple[int, ...]]],
+    refined: dict[frozenset[str], tuple[Hypothesis, tuple[int, ...]]],
+    exact: dict[frozenset[str], Hypothesis],
+) -> None:
+    """Keep what of ``found`` does best of each set of effects, also beside an exact simulator."""
+    for better, numbers in found:
+        _keep(refined, better, numbers)
+        _note_exact(exact, better)
 
 
 def _note_exact(best: dict[frozenset[str], Hypothesis], fitted: Hypothesis) -> None:
