@@ -15,7 +15,7 @@ from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.effects.base import Form
 from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.hypotheses.evidence import Evidence, Term
-from hystbench.diagnosis.hypotheses.search import Library, _with_a_law_at_hand, search
+from hystbench.diagnosis.hypotheses.search import Library, _behind_other_laws, _with_a_law_at_hand, search
 from hystbench.diagnosis.recording.signals import Signals
 
 Floats = NDArray[np.float64]
@@ -88,3 +88,20 @@ def test_what_creeps_in_series_with_a_preloaded_joint_is_found_from_what_a_littl
         # It creeps under the torque that it leaves, which is not known beforehand.
         corrected = corrected_simulator(told, calibrated(told, None))
         assert np.std(corrected.predict(x) - recorded.y_real) < 1.2 * told.noise_floor
+
+
+def test_laws_that_start_from_none_that_was_refined_are_looked_at() -> None:
+    time, x = motion(40.0, 0.0, 1.0, 2.0)
+    y_sim, y = tensioner(time, x, 0.0, 1.0), tensioner(time, x, 0.08, 1.7)
+    noise = np.std(y - y_sim) / 16.0 * np.random.default_rng(1).standard_normal(x.size)
+    recorded = Signals(time, x, y + noise, y_sim, [slice(0, x.size)], {})
+    library = Library(
+        Evidence(SimulatorScene(recorded, emulate(recorded, None))), [registry.get("stress_relaxation")()]
+    )
+    # As if another law had led, and what a little creep does had not been refined.
+    number = next(k for k, term in enumerate(library.terms) if term.form.name == "one branch")
+    fitted = library.evidence.fit([library.terms[number]])
+    ((found, _),) = _behind_other_laws(library, [(fitted.score, (number,))], {fitted.names: (fitted, (number,))})
+    assert found.terms[0].form.name.startswith("creep in series")
+    assert found.terms[0].shape == pytest.approx((1.7, 0.08), rel=0.1)
+    assert found.score > fitted.score
