@@ -80,6 +80,17 @@ def words() -> dict[str, Any]:
         high = np.broadcast_to(h, x.shape)
         return followed(x, lambda state, k: float(np.clip(state + (x[k] - x[k - 1]) / d, -high[k], high[k])))
 
+    def film(x: Floats, d: float, w: float, h: Floats | float = 1.0) -> Floats:
+        high = np.broadcast_to(h, x.shape)
+
+        def step(state: float, k: int) -> float:
+            for _ in range(fine):
+                moved = (x[k] - x[k - 1]) / fine - w * state * (time[k] - time[k - 1]) / fine
+                state = float(np.clip(state + moved / d, -high[k], high[k]))
+            return state
+
+        return followed(x, step)
+
     def play(x: Floats, h: float) -> Floats:
         return followed(x, lambda p, k: min(max(p, x[k] - h), x[k] + h))
 
@@ -136,7 +147,7 @@ def words() -> dict[str, Any]:
         "stronger": stronger, "stiffer": stiffer, "travel": np.cumsum(np.abs(dx)), "work": np.cumsum(np.abs(y * dx)), "damage": np.cumsum(y**2 * np.abs(dx)),
         "losses": np.maximum.accumulate(np.maximum(np.cumsum(memory * dx), 0.0)), "reversals": s.reversals,
         "swings": np.cumsum(x**2 * np.abs(dx)), "turns": s.turns,
-        "dahl": dahl, "slip": slip, "play": play, "lowpass": lowpass, "creep": creep, "fractional": fractional, "resonator": resonator,
+        "dahl": dahl, "slip": slip, "film": film, "play": play, "lowpass": lowpass, "creep": creep, "fractional": fractional, "resonator": resonator,
         "plays": lambda x, h1, h2: np.mean([play(x, h) for h in np.linspace(h1, h2, 7)], axis=0),
         "heat": lambda u, T: lowpass(np.abs(u), T, 0.0), "late": lambda u, T: np.interp(time - T, time, u),
         "rise": lambda c: c - c[0], **{name: getattr(np, name) for name in NUMPYS},

@@ -109,6 +109,17 @@ def yielding(y: Floats, tau: float, level: float, substeps: int = 20) -> Floats:
     return out
 
 
+def clinging(stiffness: float, level: Floats, give: float = 0.0, substeps: int = 20) -> Floats:
+    """A spring behind a slider that slides at ``level`` and moves before, by ``give`` (rad/s) a newton metre, in small steps."""
+    out, f = np.zeros(X.size), 0.0
+    for k in range(1, X.size):
+        for _ in range(substeps):
+            moved = (X[k] - X[k - 1] - give * f * STEP) / substeps
+            f = float(np.clip(f + stiffness * moved, -level[k], level[k]))
+        out[k] = f
+    return out
+
+
 def rubbed_warm(tau: float) -> Floats:
     """Temperature by friction's losses against cooling, from 0 to about 1."""
     power = np.abs(friction(X) * SPEED)
@@ -243,6 +254,12 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
     "bearings that carry a weight": (
         "load_dependent_friction", lambda: joint(X) + 0.08 * np.abs(spring(X) - 0.8) * SIGN
     ),
+    "a seal that clings and slides the less the faster": (
+        "stribeck_friction", lambda: joint(X) + clinging(8.0, 0.02 + 0.3 * np.exp(-(np.abs(SPEED / 0.25) ** 1.3)))
+    ),
+    "friction as a soft constraint behind a tendon": (
+        "coulomb_friction", lambda: joint(X) + clinging(30.0, np.full(X.size, 0.25), 0.25)
+    ),
     "a sensor's compression": ("torque_gain", lambda: joint(X) * (1.12 - 0.01 * np.abs(joint(X)))),
 }  # fmt: skip
 
@@ -289,6 +306,9 @@ def test_a_mass_that_resonates_near_the_motions_band_is_no_inertia(frequency: fl
         "churning oil",
         "grease that thins steadily",
         "a spring that wears steadily",
+        "heat that soaks in",
+        "a seal that clings and slides the less the faster",
+        "friction as a soft constraint behind a tendon",
     ],
 )
 def test_a_law_that_is_known_leaves_nothing(law: str) -> None:

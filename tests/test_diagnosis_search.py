@@ -56,6 +56,22 @@ def test_in_company_an_effect_takes_the_law_that_is_best_there(place: str, bette
     assert found is None or found.score > pair.score
 
 
+def test_in_company_bristles_become_a_slider_where_that_is_better() -> None:
+    time, x = rich_motion()
+    slider = np.zeros(x.size)
+    for k in range(1, x.size):
+        slider[k] = np.clip(slider[k - 1] + 5.0 * (x[k] - x[k - 1]), -0.3, 0.3)
+    recorded = signals_of(time, x, spring(x) + slider + 0.1, spring(x))
+    evidence = Evidence(SimulatorScene(recorded, emulate(recorded, None)))
+    laws = ("coulomb_friction", "presliding", (0.05,)), ("torque_offset", "constant", ())
+    pair = evidence.fit([Term(registry.get(name)(), form(name, law, evidence), shape) for name, law, shape in laws])
+    found = _with_a_law_at_hand(evidence, pair)
+    assert found is not None
+    assert found.score > pair.score
+    assert found.terms[0].form.name == "elastic presliding"
+    assert found.terms[0].shape == pytest.approx((0.06,), rel=0.05)
+
+
 @pytest.mark.parametrize(
     ("compliance", "constant", "begun", "law"),
     [

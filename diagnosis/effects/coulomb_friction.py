@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from ..operators.levels import lubricated
 from .base import Effect, Floats, Form, Parameter, Scene, at_either_end, between_ends
 from .directions import PRESLIDING, DirectionLaw, direction_laws, overdone_friction
 
@@ -47,6 +48,14 @@ def _by_position(law: DirectionLaw) -> Callable[[Scene, tuple[float, ...]], Floa
 
 MORE, MOST = 0.15, 5.0
 """Relative gain of the joint's own friction from which it is not only badly calibrated, and the largest one."""
+
+
+def _lubricated(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    signals = scene.signals
+    whole = np.ones(signals.time.size)
+    return signals.per_run(lambda run: lubricated(signals.time[run], signals.smooth_x[run], whole[run], *shape))[
+        :, None
+    ]
 
 
 class CoulombFriction(Effect):
@@ -100,7 +109,13 @@ class CoulombFriction(Effect):
             steep, name="regularised by arctan", columns=_arctan,
             equation="y += friction * arctan(v / transition_speed) * 2 / pi",
         )  # fmt: skip
+        # Simulators with soft constraints have it so.
+        behind = Form(
+            "regularised, behind a spring", ("friction",), _lubricated, (0.0,), (np.inf,), ("elastic_presliding", "transition_speed"),
+            (), [elastic.limits, *steep.limits], (elastic.name,), lambda shape, _: (shape[0], 0.3 * steep.limits[0][1]),
+            equation="y += friction * film(x, elastic_presliding, transition_speed)",
+        )  # fmt: skip
         own = Form("more of the joint's own", ("_unit",), _own, (1.0,), (1.0,), ("strength_gain",),
                    [(gain,) for gain in (0.2, 0.4, 0.8, 1.6)], [(MORE, MOST)],
                    equation="y += stronger(strength_gain)")  # fmt: skip
-        return [*made, flat, two, *unequal, *by_position, own, *overdone_friction(made)]
+        return [*made, flat, two, behind, *unequal, *by_position, own, *overdone_friction(made)]

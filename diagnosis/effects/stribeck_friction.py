@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..operators.levels import yielding
+from ..operators.levels import slid, yielding
 from ..recording.noise import rms
 from .base import LOW, NOT, Columns, Effect, Floats, Form, Parameter, Scene
 from .directions import PRESLIDING, DirectionLaw, direction_laws
@@ -46,6 +46,10 @@ HARDLY = 0.08
 """Share of the friction that the excess makes, below which there is hardly any."""
 FALLS = 0.03
 """Share by which friction must be larger at low speed than at high speed to fall at all."""
+MOST_EXCESS = 30.0
+"""Times the friction at high speed that the excess of what follows the curve by its own dynamics may be."""
+POWERS = 0.4, 3.0
+"""Powers of the speed with which that falls."""
 BLUNT = "p = 1/2", "exp(-sqrt(abs(v) / stribeck_speed))", _blunt
 CURVES = (
     ("p = 2", "exp(-(v / stribeck_speed)**2)", _gaussian),
@@ -67,10 +71,16 @@ def _columns(law: DirectionLaw, curve: Callable[[Floats], Floats]) -> Callable[[
     return columns
 
 
-def _bristle(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    signals = scene.signals
-    level = 1.0 + shape[2] * _gaussian(signals.speed / shape[0])
-    return signals.per_run(lambda run: yielding(signals.smooth_x[run], level[run], shape[1]))[:, None]
+def _of_constant_stiffness(sliding: Callable[[Floats, Floats, float], Floats]) -> Columns:
+    """What sticks is as stiff as ever, and slides at a level that follows the curve, whose power may be a fourth shape."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        signals = scene.signals
+        speed, length, excess, power = shape if len(shape) > 3 else (*shape, 2.0)
+        level = 1.0 + excess * np.exp(-((np.abs(signals.speed) / speed) ** power))
+        return signals.per_run(lambda run: sliding(signals.smooth_x[run], level[run], length))[:, None]
+
+    return columns
 
 
 def _from_curve(shape: tuple[float, ...], coefficients: Floats) -> tuple[float, ...]:
@@ -84,7 +94,7 @@ class StribeckFriction(Effect):
     title: ClassVar[str] = "Stribeck friction"
     summary: ClassVar[str] = "dry friction that falls with speed from breakaway to sliding (stick-slip, hunting)"
     equation: ClassVar[str] = (
-        "y += [F + S exp(−(|v| / w)^p)] s, p = 1/2, 1 or 2; [F + S / (1 + (v / w)²)] s; R exp(−(v / w)²) on what has memory, or on the level at which it slides; or LuGre: ℓ df/dx = ±1 − f / (1 + S/F exp(−(v / w)²))"
+        "y += [F + S exp(−(|v| / w)^p)] s, p = 1/2, 1 or 2; [F + S / (1 + (v / w)²)] s; R exp(−(v / w)²) on what has memory, or on the level at which it slides; or LuGre: ℓ df/dx = ±1 − f / (1 + S/F exp(−(v / w)²)), or a spring of 1/ℓ that slides at that level"
     )
     coordinate: ClassVar[str] = "speed"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -93,7 +103,8 @@ class StribeckFriction(Effect):
         Parameter(
             "stribeck_speed", "rad/s", 0.0, np.inf, "speed at which the excess has fallen to 1/e (Hess-Soom: to half)"
         ),
-        Parameter("excess_ratio", "1", 0.0, np.inf, "S over F (LuGre)"),
+        Parameter("power", "1", 0.0, np.inf, "p, of the speed with which the excess falls"),
+        Parameter("excess_ratio", "1", 0.0, np.inf, "S over F (LuGre, spring and slider)"),
         Parameter(
             "rise", "1", 0.0, np.inf, "R, relative gain of the joint's own friction, or of its strength, at standstill"
         ),
@@ -113,7 +124,7 @@ class StribeckFriction(Effect):
         friction = parameters["friction"]
         excess = parameters.get("breakaway_excess", friction * parameters.get("excess_ratio", 0.0))
         speed = scene.signals.speed
-        more = excess * _gaussian(speed / parameters["stribeck_speed"])
+        more = excess * np.exp(-(np.abs(speed / parameters["stribeck_speed"]) ** parameters.get("power", 2.0)))
         # What the transition of the sign hides at low speed is not there.
         sign = np.tanh(speed / parameters["transition_speed"]) if "transition_speed" in parameters else 1.0
         level = np.abs((friction + more) * sign)
@@ -131,14 +142,26 @@ class StribeckFriction(Effect):
             for told, equation, curve in CURVES
             for law in laws
         ]  # fmt: skip
-        # The bristle of LuGre follows the Stribeck curve by its own dynamics (Canudas de Wit et al. 1995).
-        lugre = Form(
-            "LuGre", ("friction",), _bristle, (0.0,), (np.inf,), ("stribeck_speed", "presliding", "excess_ratio"),
-            (),
-            [(0.02 * fast, 2.0 * fast), laws[0].limits, (0.01, 10.0)],
-            tuple(f"{CURVES[0][0]}, {law.name}" for law in laws[:2]), _from_curve,
-            equation=f"y += friction * dahl(x, presliding, 1 + excess_ratio * {CURVES[0][1]})",
-        )  # fmt: skip
+        # The bristle of LuGre follows the Stribeck curve by its own dynamics (Canudas de Wit et al. 1995); so does a slider.
+        own_dynamics = []
+        for name, function, sliding, law in (
+            ("LuGre", "dahl", yielding, laws[0]),
+            ("spring and slider", "slip", slid, laws[1]),
+        ):
+            shapes = ("stribeck_speed", law.parameter, "excess_ratio")
+            limits = [(0.02 * fast, 2.0 * fast), law.limits, (0.01, MOST_EXCESS)]
+            columns, told = (
+                _of_constant_stiffness(sliding),
+                f"y += friction * {function}(x, {law.parameter}, 1 + excess_ratio * ",
+            )
+            own_dynamics += [
+                Form(name, ("friction",), columns, (0.0,), (np.inf,), shapes, (), limits,
+                     tuple(f"{CURVES[0][0]}, {simpler.name}" for simpler in laws[:2]), _from_curve,
+                     equation=f"{told}{CURVES[0][1]})"),
+                Form(f"{name}, of any power", ("friction",), columns, (0.0,), (np.inf,), (*shapes, "power"), (), [*limits, POWERS],
+                     (name,), lambda shape, coefficients: (*shape, 1.5),
+                     equation=f"{told}exp(-(abs(v) / stribeck_speed)**power))"),
+            ]  # fmt: skip
         blunt = [
             Form(f"{BLUNT[0]}, {law.name}", ("friction", "breakaway_excess"), _columns(law, BLUNT[2]), (0.0, 0.0), (np.inf, np.inf),
                  ("stribeck_speed", law.parameter), (), [(0.005 * fast, 2.0 * fast), law.limits], (f"p = 1, {law.name}",),
@@ -155,4 +178,4 @@ class StribeckFriction(Effect):
                 Form(f"{told}, inside the joint", ("rise",), columns, (0.0,), (np.inf,), ("stribeck_speed",), own.grid, own.limits,
                      about=about, equation=f"y += stronger(rise * {equation})")
             )  # fmt: skip
-        return [*made, *blunt, lugre, own, *inside]
+        return [*made, *blunt, *own_dynamics, own, *inside]

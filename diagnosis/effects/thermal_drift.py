@@ -19,6 +19,11 @@ def _warming(scene: Scene, shape: tuple[float, ...]) -> Floats:
     return (1.0 - np.exp(-t / shape[0]) if shape else t)[:, None]
 
 
+def _diffusing(scene: Scene, shape: tuple[float, ...]) -> Floats:
+    """Heat that soaks into a body that is thick, by the root of the time if it is steady."""
+    return (scene.signals.elapsed ** shape[0])[:, None]
+
+
 def _heated(scene: Scene, power: Floats, time_constant: float) -> Floats:
     """Temperature by ``power`` (n,) against cooling, of a joint that starts cold."""
     s = scene.signals
@@ -88,6 +93,7 @@ def _zero(scene: Scene) -> Floats:
 
 
 EXPONENTIAL = "(1 - exp(-t / time_constant))"
+DIFFUSING, POWERS = "t**power", (0.35, 2.5)
 HEATED, RUBBED, CHURNED = "heat(y * v, time_constant)", "heat(y_memory * v, time_constant)", "heat(v**2, time_constant)"
 CURRENT = "heat(y**2, time_constant)"
 SINCE = "(1 - exp(-maximum(t - switched, 0) / time_constant))"
@@ -134,7 +140,7 @@ class ThermalDrift(Effect):
     title: ClassVar[str] = "thermal drift"
     summary: ClassVar[str] = "zero or stiffness that drifts with time or temperature while the joint warms up"
     equation: ClassVar[str] = (
-        "y += a w, a w y_sim (or a part of it) or both, a w + a2 w2, or w times a sum of its parts or a spring found anew,  w = 1 − exp(−t/τ), t, 1 − exp(−(t − t0)/τ) from t0 on or the difference of these two, lagged |y v|, v², y² or |f v| of the part f with memory, sin(2πt/P) with "
+        "y += a w, a w y_sim (or a part of it) or both, a w + a2 w2, or w times a sum of its parts or a spring found anew,  w = 1 − exp(−t/τ), t, 1 − exp(−(t − t0)/τ) from t0 on or the difference of these two, t^p, lagged |y v|, v², y² or |f v| of the part f with memory, sin(2πt/P) with "
         "b (cos(2πt/P) − 1) or b cos(2πt/P), or temperature rise"
     )
     coordinate: ClassVar[str] = "time"
@@ -156,6 +162,7 @@ class ThermalDrift(Effect):
         Parameter("zero_drift_cos", "N·m", -np.inf, np.inf, "b, cosine part of a slow wave of the zero"),
         Parameter("stiffness_drift_cos", "1", -np.inf, np.inf, "b, cosine part of a slow wave of the torque"),
         Parameter("time_constant", "s", 0.0, np.inf, "of warming up"),
+        Parameter("power", "1", 0.0, np.inf, "p of the time"),
         Parameter("switched", "s", 0.0, np.inf, "t0, when what heats was switched on or off"),
         Parameter("period", "s", 0.0, np.inf, "P of a slow wave"),
     )
@@ -232,6 +239,14 @@ class ThermalDrift(Effect):
             grown = tuple(f"{form.name}, of {name}" for name in PARTS)
             slid = unlike(form, laws, each, "the friction's strength")
             made.append(replace(slid, grid=(), guessed=True, refines=(form.name, *grown)))
+        for told, of, names, columns in (
+            ("zero", f"zero_drift * {DIFFUSING}", zero, _diffusing),
+            ("stiffness", f"stiffness_drift * {DIFFUSING} * y", stiffness, times(_diffusing, _torque)),
+            ("zero and stiffness", _both(DIFFUSING), zero + stiffness, times(_diffusing, _zero, _torque)),
+        ):
+            simpler = (f"{told}, exponential", f"{told}, linear")
+            soaked = _form(f"{told}, power of time", of, names, columns, ("power",), (), [POWERS])
+            made.append(replace(soaked, refines=simpler, start=lambda shape, coefficients: (0.7,)))
         for told, since, law in (
             ("switched on", SINCE, _switched_on), ("switched off", f"({EXPONENTIAL} - {SINCE})", _switched_off),
         ):  # fmt: skip

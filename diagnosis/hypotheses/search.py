@@ -464,14 +464,18 @@ def successors(evidence: Evidence, fitted: Hypothesis, scales: Sequence[Scale] =
 def _from_there(evidence: Evidence, fitted: Hypothesis, alike: bool = False) -> Iterator[list[Term]]:
     """The terms with one law replaced by each of those that start where it ended.
 
-    If ``alike``, also by those with the same shape parameters.
+    If ``alike``, also by those with the same shape parameters, or such within the same limits.
     """
     for k, (term, own) in enumerate(zip(fitted.terms, spans(fitted.terms), strict=True)):
         for form in evidence.forms_of(term.effect):
             if term.form.name in form.refines:
                 shape = form.start(term.shape, fitted.coefficients[own]) if form.start else term.shape
                 yield _with_law(fitted, k, form, shape)
-            elif alike and form.shapes == term.form.shapes and form.name != term.form.name:
+            elif (
+                alike
+                and form.name != term.form.name
+                and (form.shapes == term.form.shapes or (form.shapes and form.limits == term.form.limits))
+            ):
                 yield _with_law(fitted, k, form, term.shape)
 
 
@@ -480,11 +484,14 @@ def _with_a_law_at_hand(evidence: Evidence, fitted: Hypothesis) -> Hypothesis | 
 
     This takes no refinement of each, and no set falls behind for a law that only alone was the best.
     """
-    made = (evidence.fit(terms) for terms in _from_there(evidence, fitted, alike=True))
-    best = max(made, key=lambda hypothesis: hypothesis.score, default=fitted)
-    if best.score <= fitted.score + HARDLY * evidence.effective:
-        return None
-    return _refined(evidence, best.terms)
+    made = None
+    for _ in range(STEPS):
+        others = (evidence.fit(terms) for terms in _from_there(evidence, fitted, alike=True))
+        best = max(others, key=lambda hypothesis: hypothesis.score, default=fitted)
+        if best.score <= fitted.score + HARDLY * evidence.effective:
+            break
+        fitted = made = _refined(evidence, best.terms)
+    return made
 
 
 def _with_law(fitted: Hypothesis, k: int, form: Form, shape: Sequence[float]) -> list[Term]:

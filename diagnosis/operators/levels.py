@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["attracted", "elastoplastic", "slid", "slid_together", "yielding"]
+__all__ = ["attracted", "elastoplastic", "lubricated", "slid", "slid_together", "yielding"]
 
 Floats = NDArray[np.float64]
 BENT, MOST_PARTS, SLIDING = 0.2, 200, 0.98
@@ -102,6 +102,19 @@ def _attracted(time, x, level, length, settling, sudden, out):
         out[i] = f
 
 
+@njit(cache=True)
+def _lubricated(time, x, level, length, speed, out):
+    f, out[0] = 0.0, 0.0
+    for i in range(1, x.size):
+        dt = time[i] - time[i - 1]
+        if dt > 0.0:
+            # Exact for a steady speed between samples.
+            towards = (x[i] - x[i - 1]) / (dt * speed)
+            f = towards + (f - towards) * np.exp(-dt * speed / length)
+        f = min(max(f, -level[i]), level[i])
+        out[i] = f
+
+
 def yielding(x: Floats, level: Floats, length: float, exponent: float = 1.0) -> Floats:
     """LuGre bristle of stiffness 1/``length`` over ``x`` (n,) that yields at ``level`` (n,), shape (n,).
 
@@ -130,6 +143,17 @@ def elastoplastic(
 def slid(x: Floats, level: Floats, length: float) -> Floats:
     """Spring of stiffness 1/``length`` over ``x`` (n,) whose slider gives way at ``level`` (n,), shape (n,)."""
     return slid_together(x, level, np.full((x.size, 1), 1.0 / length), np.array([length]))
+
+
+def lubricated(time: Floats, x: Floats, level: Floats, length: float, speed: float) -> Floats:
+    """Spring of stiffness 1/``length`` over ``x`` (n,) behind friction of a ``level`` (n,) that gives way before, shape (n,).
+
+    It moves in proportion to its force, at ``speed`` (rad/s) at the level one: so do the soft constraints of simulators.
+    """
+    out = np.empty(x.size)
+    time, x, level = np.ascontiguousarray(time), np.ascontiguousarray(x), np.ascontiguousarray(level)
+    _lubricated(time, x, level, float(length), float(speed), out)
+    return out
 
 
 def slid_together(x: Floats, level: Floats, weights: Floats, lengths: Floats) -> Floats:
