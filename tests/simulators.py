@@ -86,6 +86,18 @@ def stribeck(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 3.0 * (1.0 - e) * x + out
 
 
+@compiled
+def worm_gear(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Friction by the Stribeck curve times a direction that builds up over a way, beside a spring that stiffens across."""
+    z, out = 0.0, np.zeros(x.size)
+    for i in range(1, x.size):
+        way = np.sign(x[i] - x[i - 1])
+        z = way + (z - way) * np.exp(-abs(x[i] - x[i - 1]) / (0.05 * (1.0 + e)))
+        speed = (x[min(i + 1, x.size - 1)] - x[i - 1]) / (INTERVAL * (min(i + 1, x.size - 1) - i + 1))
+        out[i] = (1.0 + e) * (1.3 + 0.6 * np.exp(-((speed / (0.3 * (1.0 - e))) ** 2))) * z
+    return 3.0 * (1.0 - e) * x + 1.2 * (1.0 + e) * x * np.abs(x) + out
+
+
 def damped_bristles(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """LuGre whose bristles are damped, in small steps."""
     finely = np.arange(0.0, x.size - 1 + 1e-9, 1 / 40)
@@ -694,6 +706,7 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "snubber": (snubber, 0.002),
     "geared bristles": (geared_bristles, 0.003),
     "on its side": (on_its_side, 0.001),
+    "worm gear": (worm_gear, 0.001),
     "magnet": (magnet, 0.001),
     "steel": (steel, 0.002),
 }

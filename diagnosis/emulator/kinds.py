@@ -37,6 +37,7 @@ from .single_elements import (
     curved_together,
     damping,
     damping_beyond,
+    gripping,
     in_contact,
     kink,
     lag,
@@ -568,6 +569,17 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         by_speed=True,
         last=True,
         evident=True,
+        like="a few Stribeck sliders",
+    ),
+    # Friction by the Stribeck curve times a direction that builds up over a distance, as gears and screws are often written.
+    "a few bristles stronger at rest": Kind(
+        MEMORY, True,
+        lambda extent: np.insert(_stribeck_sizes(extent), 3, 2.0, axis=1),
+        by_row(gripping),
+        limits=lambda extent: extent.slipping[[0, 1, 2, 4]] * [[0.001, 0.003, 0.02, 0.5], [1.0, 5.0, 6.0, 3.0]],
+        later=(3,),
+        exact=(3,),
+        by_speed=True,
         like="a few Stribeck sliders",
     ),
     # Generalised Maxwell slip: Lampaert, Al-Bender and Swevers (Physics and Control, 2003).

@@ -34,6 +34,7 @@ __all__ = [
     "curved_together",
     "damping",
     "damping_beyond",
+    "gripping",
     "in_contact",
     "kink",
     "lag",
@@ -214,6 +215,12 @@ def stribeck(
     built_up = motion.from_rest(yielding, level, length=length)
     bending = motion.speed - np.abs(motion.speed) * built_up / level
     return length * built_up + damping * bending
+
+
+def gripping(motion: Motion, length: float, pace: float, excess: float, power: float) -> Floats:
+    """A Dahl bristle that is as much stiffer as it is stronger at low speed, so that it yields over the same ``length``."""
+    built_up = motion.from_rest(bristle, length=length)
+    return length * built_up * _level(motion, pace, excess, power)
 
 
 def stribeck_pressed(motion: Motion, length: float, pace: float, excess: float, growth: float) -> Floats:
