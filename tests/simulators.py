@@ -98,6 +98,25 @@ def worm_gear(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     return 3.0 * (1.0 - e) * x + 1.2 * (1.0 + e) * x * np.abs(x) + out
 
 
+@compiled
+def bodies_on_tendons(time: Floats, x: Floats, e: float = 0.0) -> Floats:
+    """Three light bodies that tendons pull along, damped and held by friction as engines for rigid bodies have it: it gives way before."""
+    springs, levels = np.array([9.0, 4.0, 1.5]) * (1.0 + e), np.array([0.5, 0.5, 0.6]) * (1.0 - e)
+    place, speed, out = np.full(3, x[0]), np.zeros(3), np.zeros(x.size)
+    mass, damping, give, step = 0.005, 0.6 * (1.0 + e), 5000.0, INTERVAL / 20
+    for i in range(x.size):
+        for k in range(1, 21):
+            pulled_by = x[max(i - 1, 0)] + (x[i] - x[max(i - 1, 0)]) * k / 20
+            for j in range(3):
+                pulled = mass * speed[j] + step * springs[j] * (pulled_by - place[j])
+                speed[j] = pulled / (mass + step * (damping + give))
+                if give * abs(speed[j]) > levels[j]:
+                    speed[j] = (pulled - np.sign(pulled) * step * levels[j]) / (mass + step * damping)
+                place[j] += step * speed[j]
+        out[i] = np.sum(springs * (x[i] - place))
+    return 2.5 * (1.0 - e) * np.sin(x) + out
+
+
 def damped_bristles(time: Floats, x: Floats, e: float = 0.0) -> Floats:
     """LuGre whose bristles are damped, in small steps."""
     finely = np.arange(0.0, x.size - 1 + 1e-9, 1 / 40)
@@ -707,6 +726,7 @@ JOINTS: dict[str, tuple[Joint, float]] = {
     "geared bristles": (geared_bristles, 0.003),
     "on its side": (on_its_side, 0.001),
     "worm gear": (worm_gear, 0.001),
+    "bodies on tendons": (bodies_on_tendons, 0.001),
     "magnet": (magnet, 0.001),
     "steel": (steel, 0.002),
 }

@@ -483,6 +483,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
         limits=lambda extent: extent.body * BODIES,
         later=(5, 6),
         starts=3,
+        alone=True,
     ),
     # Series elastic actuators and gears whose load swings behind the spring and rubs there: by a bristle (Dahl, LuGre) or by the
     # sign of its speed, made smooth.
