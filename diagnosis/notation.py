@@ -20,7 +20,7 @@ WORDS: Mapping[str, str] = MappingProxyType({
     "stiffer": "stiffer(g): what y gains where all is 1 + g times as stiff and friction has the same strength",
     "dahl": "dahl(x, d, h): s with ds/dx = (sign(dx) - s / h) / d and s = 0 at the start; h = 1 where it is left out (Dahl's friction)",
     "slip": "slip(x, d, h): s with ds/dx = 1 / d, kept within -h and h, and s = 0 at the start; h = 1 where it is left out (a spring and a slider)",
-    "film": "film(x, d, w, h): s with ds/dt = (v - w s) / d, kept within -h and h, and s = 0 at the start; h = 1 where it is left out (a spring behind a regularised slider)",
+    "film": "film(x, d, w): s with ds/dt = (v - w s) / d, kept within -1 and 1, and s = 0 at the start (a spring behind a regularised slider)",
     "play": "play(x, h): p with p = clip(p, x - h, x + h) at each step, 0 at the start (lost motion)",
     "plays": "plays(x, h1, h2): mean of seven p with p = clip(p, x - h, x + h) at each step, h evenly from h1 to h2",
     "lowpass": "lowpass(u, T): w with T dw/dt = u - w and w = u at the start",

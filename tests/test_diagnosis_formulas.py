@@ -80,13 +80,11 @@ def words() -> dict[str, Any]:
         high = np.broadcast_to(h, x.shape)
         return followed(x, lambda state, k: float(np.clip(state + (x[k] - x[k - 1]) / d, -high[k], high[k])))
 
-    def film(x: Floats, d: float, w: float, h: Floats | float = 1.0) -> Floats:
-        high = np.broadcast_to(h, x.shape)
-
+    def film(x: Floats, d: float, w: float) -> Floats:
         def step(state: float, k: int) -> float:
             for _ in range(fine):
                 moved = (x[k] - x[k - 1]) / fine - w * state * (time[k] - time[k - 1]) / fine
-                state = float(np.clip(state + moved / d, -high[k], high[k]))
+                state = float(np.clip(state + moved / d, -1.0, 1.0))
             return state
 
         return followed(x, step)

@@ -51,11 +51,8 @@ MORE, MOST = 0.15, 5.0
 
 
 def _lubricated(scene: Scene, shape: tuple[float, ...]) -> Floats:
-    signals = scene.signals
-    whole = np.ones(signals.time.size)
-    return signals.per_run(lambda run: lubricated(signals.time[run], signals.smooth_x[run], whole[run], *shape))[
-        :, None
-    ]
+    s = scene.signals
+    return s.per_run(lambda run: lubricated(s.time[run], s.smooth_x[run], *shape))[:, None]
 
 
 class CoulombFriction(Effect):

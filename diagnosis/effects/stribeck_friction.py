@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -31,6 +32,10 @@ def _lorentzian(ratio: Floats) -> Floats:
 
 def _blunt(ratio: Floats) -> Floats:
     return np.exp(-np.sqrt(ratio))
+
+
+def _by_power(ratio: Floats, power: float = 2.0) -> Floats:
+    return np.exp(-(np.abs(ratio) ** power))
 
 
 def _own_friction(scene: Scene, shape: tuple[float, ...]) -> Floats:
@@ -76,8 +81,8 @@ def _of_constant_stiffness(sliding: Callable[[Floats, Floats, float], Floats]) -
 
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         signals = scene.signals
-        speed, length, excess, power = shape if len(shape) > 3 else (*shape, 2.0)
-        level = 1.0 + excess * np.exp(-((np.abs(signals.speed) / speed) ** power))
+        speed, length, excess, *power = shape
+        level = 1.0 + excess * _by_power(signals.speed / speed, *power)
         return signals.per_run(lambda run: sliding(signals.smooth_x[run], level[run], length))[:, None]
 
     return columns
@@ -124,7 +129,7 @@ class StribeckFriction(Effect):
         friction = parameters["friction"]
         excess = parameters.get("breakaway_excess", friction * parameters.get("excess_ratio", 0.0))
         speed = scene.signals.speed
-        more = excess * np.exp(-(np.abs(speed / parameters["stribeck_speed"]) ** parameters.get("power", 2.0)))
+        more = excess * _by_power(speed / parameters["stribeck_speed"], parameters.get("power", 2.0))
         # What the transition of the sign hides at low speed is not there.
         sign = np.tanh(speed / parameters["transition_speed"]) if "transition_speed" in parameters else 1.0
         level = np.abs((friction + more) * sign)
@@ -148,20 +153,19 @@ class StribeckFriction(Effect):
             ("LuGre", "dahl", yielding, laws[0]),
             ("spring and slider", "slip", slid, laws[1]),
         ):
-            shapes = ("stribeck_speed", law.parameter, "excess_ratio")
-            limits = [(0.02 * fast, 2.0 * fast), law.limits, (0.01, MOST_EXCESS)]
-            columns, told = (
-                _of_constant_stiffness(sliding),
-                f"y += friction * {function}(x, {law.parameter}, 1 + excess_ratio * ",
-            )
-            own_dynamics += [
-                Form(name, ("friction",), columns, (0.0,), (np.inf,), shapes, (), limits,
-                     tuple(f"{CURVES[0][0]}, {simpler.name}" for simpler in laws[:2]), _from_curve,
-                     equation=f"{told}{CURVES[0][1]})"),
-                Form(f"{name}, of any power", ("friction",), columns, (0.0,), (np.inf,), (*shapes, "power"), (), [*limits, POWERS],
-                     (name,), lambda shape, coefficients: (*shape, 1.5),
-                     equation=f"{told}exp(-(abs(v) / stribeck_speed)**power))"),
-            ]  # fmt: skip
+            in_words = f"y += friction * {function}(x, {law.parameter}, 1 + excess_ratio * "
+            gaussian = Form(
+                name, ("friction",), _of_constant_stiffness(sliding), (0.0,), (np.inf,),
+                ("stribeck_speed", law.parameter, "excess_ratio"), (), [(0.02 * fast, 2.0 * fast), law.limits, (0.01, MOST_EXCESS)],
+                tuple(f"{CURVES[0][0]}, {simpler.name}" for simpler in laws[:2]), _from_curve,
+                equation=f"{in_words}{CURVES[0][1]})",
+            )  # fmt: skip
+            of_any_power = replace(
+                gaussian, name=f"{name}, of any power", shapes=(*gaussian.shapes, "power"), limits=[*gaussian.limits, POWERS],
+                refines=(name,), start=lambda shape, coefficients: (*shape, 1.5),
+                equation=f"{in_words}exp(-(abs(v) / stribeck_speed)**power))",
+            )  # fmt: skip
+            own_dynamics += [gaussian, of_any_power]
         blunt = [
             Form(f"{BLUNT[0]}, {law.name}", ("friction", "breakaway_excess"), _columns(law, BLUNT[2]), (0.0, 0.0), (np.inf, np.inf),
                  ("stribeck_speed", law.parameter), (), [(0.005 * fast, 2.0 * fast), law.limits], (f"p = 1, {law.name}",),

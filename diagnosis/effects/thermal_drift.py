@@ -93,11 +93,13 @@ def _zero(scene: Scene) -> Floats:
 
 
 EXPONENTIAL = "(1 - exp(-t / time_constant))"
-DIFFUSING, POWERS = "t**power", (0.35, 2.5)
+DIFFUSING = "t**power"
 HEATED, RUBBED, CHURNED = "heat(y * v, time_constant)", "heat(y_memory * v, time_constant)", "heat(v**2, time_constant)"
 CURRENT = "heat(y**2, time_constant)"
 SINCE = "(1 - exp(-maximum(t - switched, 0) / time_constant))"
-"""Warming in equations: in time, by what the drive puts in, by losses, by the square of the speed or of the torque, since a time."""
+"""Warming in equations: in time, steadily or soaking in, by what the drive puts in, by losses, by the square of the speed or of the torque, since a time."""
+POWERS = 0.35, 2.5
+"""Of the time by which heat soaks in."""
 
 
 def _slow_wave(name: str) -> str:

@@ -103,7 +103,7 @@ def _attracted(time, x, level, length, settling, sudden, out):
 
 
 @njit(cache=True)
-def _lubricated(time, x, level, length, speed, out):
+def _lubricated(time, x, length, speed, out):
     f, out[0] = 0.0, 0.0
     for i in range(1, x.size):
         dt = time[i] - time[i - 1]
@@ -111,7 +111,7 @@ def _lubricated(time, x, level, length, speed, out):
             # Exact for a steady speed between samples.
             towards = (x[i] - x[i - 1]) / (dt * speed)
             f = towards + (f - towards) * np.exp(-dt * speed / length)
-        f = min(max(f, -level[i]), level[i])
+            f = min(max(f, -1.0), 1.0)
         out[i] = f
 
 
@@ -145,14 +145,13 @@ def slid(x: Floats, level: Floats, length: float) -> Floats:
     return slid_together(x, level, np.full((x.size, 1), 1.0 / length), np.array([length]))
 
 
-def lubricated(time: Floats, x: Floats, level: Floats, length: float, speed: float) -> Floats:
-    """Spring of stiffness 1/``length`` over ``x`` (n,) behind friction of a ``level`` (n,) that gives way before, shape (n,).
+def lubricated(time: Floats, x: Floats, length: float, speed: float) -> Floats:
+    """Spring of stiffness 1/``length`` over ``x`` (n,) behind unit friction that gives way before, shape (n,).
 
-    It moves in proportion to its force, at ``speed`` (rad/s) at the level one: so do the soft constraints of simulators.
+    It moves in proportion to its force, at ``speed`` (rad/s) where it slides: so do the soft constraints of simulators.
     """
     out = np.empty(x.size)
-    time, x, level = np.ascontiguousarray(time), np.ascontiguousarray(x), np.ascontiguousarray(level)
-    _lubricated(time, x, level, float(length), float(speed), out)
+    _lubricated(np.ascontiguousarray(time), np.ascontiguousarray(x), float(length), float(speed), out)
     return out
 
 
