@@ -17,8 +17,9 @@ from .emulator.emulation import SimulatorScene, emulate
 from .emulator.jitter import along_what_it_follows, without_jitter
 from .hypotheses.evidence import Evidence, Hypothesis, those_behind
 from .hypotheses.heldout import HeldOut, closed_share, held_out
+from .hypotheses.library import Library
 from .hypotheses.refitting import refitted_beside
-from .hypotheses.search import Library, search
+from .hypotheses.search import search
 from .names import GAIN, MISCALIBRATION, UNKNOWN
 from .reasons import reasons
 from .recording.noise import rms, structured_power

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from .attribution import Place
 from .hypotheses.evidence import Evidence
+from .hypotheses.library import Library
 from .hypotheses.precision import intervals, told
-from .hypotheses.search import Library
 from .recording.signals import Signals
 from .verdict.choice import Choice
 

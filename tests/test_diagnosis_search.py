@@ -15,7 +15,8 @@ from hystbench.diagnosis.diagnosis import diagnose
 from hystbench.diagnosis.effects.base import Form
 from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.hypotheses.evidence import Evidence, Term
-from hystbench.diagnosis.hypotheses.search import Library, _behind_other_laws, _with_a_law_at_hand, search
+from hystbench.diagnosis.hypotheses.library import Library
+from hystbench.diagnosis.hypotheses.search import _behind_other_laws, _with_a_law_at_hand, search
 from hystbench.diagnosis.recording.signals import Signals
 
 Floats = NDArray[np.float64]

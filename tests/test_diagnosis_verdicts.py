@@ -16,7 +16,8 @@ from hystbench.diagnosis.diagnosis import _is_better, diagnose
 from hystbench.diagnosis.emulator.emulation import SimulatorScene, emulate
 from hystbench.diagnosis.hypotheses.adequacy import forgiven
 from hystbench.diagnosis.hypotheses.evidence import Evidence
-from hystbench.diagnosis.hypotheses.search import Library, search
+from hystbench.diagnosis.hypotheses.library import Library
+from hystbench.diagnosis.hypotheses.search import search
 from hystbench.diagnosis.recording.signals import Signals
 from hystbench.diagnosis.verdict.choice import choose
 

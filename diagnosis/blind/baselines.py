@@ -8,7 +8,7 @@ import numpy as np
 
 from ..hypotheses.boxed import boxed_least_squares
 from ..hypotheses.evidence import Term
-from ..hypotheses.search import Library
+from ..hypotheses.library import Library
 
 __all__ = ["by_correlation", "by_fit"]
 
