@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..effects.base import TORQUE, Form
 from .adequacy import left_by
@@ -16,7 +15,6 @@ from .refinement import refine, refine_anyhow
 
 __all__ = ["NOTHING", "search", "successors"]
 
-Floats = NDArray[np.float64]
 ALONE, ALIKE = 18, 4
 """Laws with shapes to move that are refined alone, and how many laws of one effect are."""
 FAR = 1.0
