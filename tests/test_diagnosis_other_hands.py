@@ -39,6 +39,11 @@ def gap_off_centre(middle: float, half: float) -> Floats:
     return joint(X - np.clip(X - middle, -half, half) + np.clip(-middle, -half, half))
 
 
+def at_rest_in(behind: Floats) -> Floats:
+    """A joint whose spring knows where its clearance's flanks are, and whose friction has settled where it lies at first."""
+    return spring(behind) + friction(behind - behind[0])
+
+
 def strapped(half: float) -> Floats:
     """A joint behind a strap that is slack about zero and can only pull, so that no friction is felt behind it then."""
     behind = X - np.clip(X, -half, half)
@@ -260,6 +265,13 @@ LAWS: dict[str, tuple[str, Callable[[], Floats]]] = {
     "friction as a soft constraint behind a tendon": (
         "coulomb_friction", lambda: joint(X) + clinging(30.0, np.full(X.size, 0.25), 0.25)
     ),
+    "a gap beside the zero, where friction lies at rest": (
+        "backlash", lambda: at_rest_in(X - np.clip(X - 0.03, -0.02, 0.02))
+    ),
+    "play at a flank, where friction lies at rest": ("backlash", lambda: at_rest_in(X - ahead(0.01) + 0.01)),
+    "the stiffer of two springs of a pair": (
+        "stiffness_asymmetry", lambda: joint(X) + 0.12 * (np.exp(X / 0.35) - 1.0)
+    ),
     "a sensor's compression": ("torque_gain", lambda: joint(X) * (1.12 - 0.01 * np.abs(joint(X)))),
 }  # fmt: skip
 
@@ -278,6 +290,18 @@ def test_a_torque_that_waves_with_the_place_is_no_encoders_error(waves: float, h
     detents = np.sin(waves * X + 0.2) - np.sin(0.2)
     detents *= 8.0 * NOISE / np.std(detents)
     assert diagnose(signals(simulated + detents, y_sim=simulated)).verdict == ["unknown"]
+
+
+def test_short_waves_of_the_torque_are_told_from_an_encoders_where_there_is_hardly_any_friction() -> None:
+    def hinge(x: Floats) -> Floats:
+        return 4.0 * x + 0.3 * friction(x)
+
+    wave = np.sin(13.0 * X + 0.2)
+    detents = diagnose(signals(hinge(X) + 8.0 * NOISE * wave / np.std(wave), y_sim=hinge(X)))
+    assert detents.verdict == ["unknown"]
+    assert any("a torque that waves with the place" in note for note in detents.notes)
+    eccentric = diagnose(signals(hinge(X + 2.0 * NOISE * wave / np.std(wave)), y_sim=hinge(X)))
+    assert eccentric.verdict == ["encoder_eccentricity"]
 
 
 def test_soft_limits_that_differ_a_little_leave_nothing() -> None:
@@ -309,6 +333,9 @@ def test_a_mass_that_resonates_near_the_motions_band_is_no_inertia(frequency: fl
         "heat that soaks in",
         "a seal that clings and slides the less the faster",
         "friction as a soft constraint behind a tendon",
+        "a gap beside the zero, where friction lies at rest",
+        "play at a flank, where friction lies at rest",
+        "the stiffer of two springs of a pair",
     ],
 )
 def test_a_law_that_is_known_leaves_nothing(law: str) -> None:

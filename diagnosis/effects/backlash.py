@@ -25,6 +25,7 @@ quantile of the slopes there that the steps rest on: too steep only makes them s
 AT_FLANK = 1e-6
 """Distance from a flank, over the clearance's half, that is contact."""
 OF_SPRING, IN_SPRING = "of the spring", "in the elastic part alone"
+SETTLED_AT_HOME = "friction settled at home"
 OF_FRICTION, IN_FRICTION = "of the friction", "in the part with memory alone"
 FLANKS = np.linspace(-1.0, 1.0, 7)
 BEHIND = "x = x - g in all that does not follow speed or acceleration alone,  "
@@ -128,6 +129,16 @@ def _before(behind: Columns) -> Columns:
 def _before_the_spring(behind: Columns) -> Columns:
     """Bearings and seals rub before the clearance, only the spring lies behind it."""
     return lambda scene, shape: scene.spring_change(behind(scene, shape))[:, None]
+
+
+def _settled_before(behind: Columns, at_rest: Columns) -> Columns:
+    """The spring knows where the flanks are, friction only how it moved since it lay ``at_rest``."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        x = at_rest(scene, shape)
+        return (scene.torque_change(x) + scene.spring_change(behind(scene, shape)) - scene.spring_change(x))[:, None]
+
+    return columns
 
 
 def _before_the_friction(behind: Columns) -> Columns:
@@ -320,6 +331,13 @@ class Backlash(Effect):
                     f"x = play(x, clearance / 2) {sign} clearance / 2", "lost motion at turns",
                 )
             ),
+            *(
+                Form(f"lost motion at turns, zeroed at the {told} flank, {SETTLED_AT_HOME}", ("_unit",),
+                     _settled_before(_play_about(flank), _play), (1.0,), (1.0,), ("clearance",), (), limits,
+                     ("lost motion at turns", f"lost motion at turns, zeroed at the {told} flank, {OF_SPRING}"),
+                     equation=f"x = play(x, clearance / 2), and {sign}clearance / 2 more in the elastic part")
+                for flank, sign, told in ((1.0, "", "upper"), (-1.0, "-", "lower"))
+            ),
             Form(f"lost motion at turns, {OF_FRICTION}", ("_unit",), _before_the_friction(_play), (1.0,), (1.0,), ("clearance",),
                  (), limits, ("lost motion at turns",), equation=f"x = play(x, clearance / 2), {IN_FRICTION}"),
             *_either("lost motion at turns, soft flanks", _soft_play, ("clearance", "softness"), (), [*limits, (0.05, 1.0)],
@@ -343,6 +361,9 @@ class Backlash(Effect):
                      equation="x = x - clip(x - middle, -clearance / 2, clearance / 2)" + inside)
                 for told, before, inside in (("", _before, ""), (f", {OF_SPRING}", _before_the_spring, f", {IN_SPRING}"))
             ),
+            Form(f"gap elsewhere, {SETTLED_AT_HOME}", ("_unit",), _settled_before(_gap_about, _gap_elsewhere), (1.0,), (1.0,),
+                 ("clearance", "middle"), (), elsewhere, ("gap elsewhere", f"gap elsewhere, zeroed at a flank, {OF_SPRING}"),
+                 equation=f"{at}, and -clip(-middle, -clearance / 2, clearance / 2) more in the elastic part"),
             *_either("soft gap", _soft_gap, ("clearance",), (), limits, "x = x - clearance / 2 * tanh(2 * x / clearance)",
                      "gap around zero"),
             Form("gap around zero, rounded", ("_unit",), _before(_rounded_gap), (1.0,), (1.0,), ("clearance", "rounding"), (),

@@ -118,6 +118,19 @@ def _hardening_by(side: float) -> Columns:
     return columns
 
 
+def _exponential(side: float, settled: bool) -> Columns:
+    """One spring of a pair that pull against each other and stiffen with what they carry: it is the stiffer one, on the side of ±1.
+
+    ``settled`` if it makes no torque at zero.
+    """
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        made = np.exp(side * scene.signals.smooth_x / shape[0])
+        return (side * shape[0] * (made - settled))[:, None]
+
+    return columns
+
+
 def _stretched(side: float) -> Columns:
     """Stiffer inside the joint: on one side its elements see a larger deflection."""
 
@@ -153,7 +166,7 @@ class StiffnessAsymmetry(Effect):
     title: ClassVar[str] = "stiffness asymmetry"
     summary: ClassVar[str] = "stiffer on one side than on the other (unequal springs, one-sided contact)"
     equation: ClassVar[str] = (
-        "y += k max(±x, 0), k |x| (sharp or rounded), the first also from another place on, k2 x² (also on one side, there beside k), k x + k3 x³ on one side, Y (±x/X)^p on one side of the stroke X, g y_sim or its elastic part on one side (also growing up to a place), under torque of one sign, in proportion to x or of opposite sign "
+        "y += k max(±x, 0), k |x| (sharp or rounded), the first also from another place on, k2 x² (also on one side, there beside k), k x + k3 x³ on one side, Y (±x/X)^p on one side of the stroke X, k L exp(±x/L), g y_sim or its elastic part on one side (also growing up to a place), under torque of one sign, in proportion to x or of opposite sign "
         "on both, or x → x + s max(±x, 0)"
     )
     coordinate: ClassVar[str] = "position"
@@ -176,6 +189,9 @@ class StiffnessAsymmetry(Effect):
         Parameter("extra_torque", "N·m", -np.inf, np.inf, "Y, of one side at the stroke's end"),
         Parameter("power", "1", 1.2, 5.0, "p, with which that grows"),
         Parameter("place", "rad", -np.inf, np.inf, "from which on it is stiffer, where that is not the zero"),
+        Parameter(
+            "growth", "rad", 0.0, np.inf, "deflection over which the stiffness of one spring of a pair grows e-fold"
+        ),
         Parameter("ramp", "rad", 0.0, np.inf, "deflection up to which that difference grows"),
         Parameter("knee", "rad", 0.0, np.inf, "width over which the stiffness changes"),
     )
@@ -231,6 +247,16 @@ class StiffnessAsymmetry(Effect):
                  (f"quadratic, {told}",), lambda shape, coefficients: (2.5,),
                  equation=f"y += {sign}extra_torque * (maximum({sign}x, 0) / {reach:.8g})**power")
             for side, sign, _, told in SIDES
+        ]  # fmt: skip
+        made += [
+            Form(f"exponential, {told}{at_zero}", ("extra_stiffness",), _exponential(side, bool(at_zero)), *free, ("growth",), (),
+                 [(0.25 * reach, 1.5 * reach)], ("quadratic", f"quadratic, {told}", f"progressive, {told}"),
+                 lambda shape, coefficients: (0.6 * reach,),
+                 equation=f"y += {sign}extra_stiffness * growth * {grown}")
+            for side, sign, _, told in SIDES
+            for at_zero, grown in (
+                ("", f"exp({sign}x / growth)"), (", none at zero", f"(exp({sign}x / growth) - 1)"),
+            )
         ]  # fmt: skip
         made += [
             Form(f"elastic torque, {told}, ramped", ("extra_gain",), _ramped(side), *gain, ("ramp",), (),
