@@ -40,6 +40,11 @@ def reasons(choice: Choice, closed: float, reports: Sequence[EffectReport]) -> l
             f"{choice.clock.term.effect.title} would explain it, but what changes goes with {by} rather than with {own}: "
             "another effect, one that is not known here"
         )
+    if choice.outsider:
+        made.append(
+            f"{choice.outsider.term.effect.title} would explain it, but {choice.outsider.what} does no worse: another effect, one "
+            "that is not known here"
+        )
     if choice.strained:
         made.append(
             "the simulator's own parameters would explain it, but several would have to be off by far more than a tenth: an effect"

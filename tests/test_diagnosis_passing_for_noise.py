@@ -123,6 +123,14 @@ def test_spikes_are_told_and_are_no_noise() -> None:
     assert "spikes in 1 % of the samples" in sentence(found)
 
 
+def test_samples_that_drop_out_are_a_gap_however_few() -> None:
+    y, lost = joint(X), np.random.default_rng(5).choice(X.size, 7, replace=False)
+    y[lost] = 0.0
+    found = diagnosed(y)
+    assert found.verdict == ["unknown"]
+    assert "spikes in" in sentence(found)
+
+
 def test_one_outlier_is_noted_and_is_no_gap() -> None:
     found = diagnosed(spiked(0.0))
     assert found.verdict == []

@@ -31,6 +31,7 @@ __all__ = [
     "ColumnsAbout",
     "Effect",
     "Form",
+    "Outsider",
     "Parameter",
     "Scene",
     "at_either_end",
@@ -199,6 +200,28 @@ class Form:
         return made
 
 
+@dataclass(frozen=True)
+class Outsider:
+    """A law of what is no effect here, of which one of an effect's laws may be the image.
+
+    Attributes
+    ----------
+    what : str
+        In words, for the report.
+    form : Form
+        The law; it is fitted in place of the effect's.
+    starts : sequence of tuple
+        Values of its shape parameters from which these are moved.
+    alike : bool
+        Whether both look the same where they explain as much, so that it need not do better to be the likelier.
+    """
+
+    what: str
+    form: Form
+    starts: Sequence[tuple[float, ...]]
+    alike: bool = False
+
+
 class Effect:
     """Base class of effect plug-ins (entry-point group ``hystbench.effects``)."""
 
@@ -232,6 +255,10 @@ class Effect:
         By itself, or with the effects and the simulator's errors beside it.
         """
         return ()
+
+    def outsider(self, form: Form, shape: tuple[float, ...], scene: Scene) -> Outsider | None:
+        """What is no effect here, but of which its law ``form`` with this ``shape`` may be the image; None if there is no such."""
+        return None
 
     def forms(self, scene: Scene) -> list[Form]:
         """The laws that this recording allows to fit (none, if it cannot show the effect at all)."""

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.signal import find_peaks
 
-from .base import INPUT, LOW, NOT, Columns, Effect, Floats, Form, Parameter, Scene, geometric
+from .base import INPUT, LOW, NOT, Columns, Effect, Floats, Form, Outsider, Parameter, Scene, geometric
 from .images import is_one_sided_stiffness
 
 __all__ = ["EncoderEccentricity"]
@@ -24,8 +24,11 @@ shorter ones need not be known to come once."""
 TOLD = 0.8
 """What an error of the spring alone must leave of what a torque that waves with the place leaves of the gap's energy: on a linear
 spring both are the same, and of five such errors that were named on strangers' joints none was an encoder's."""
+DETENTS = np.linspace(-0.25, 0.25, 5)
+"""Where waves of a torque are looked for: by how many more within the stroke than those of an encoder's error."""
 FINE, ENOUGH = 3, 4000
 """How many of the periods that are too short to try them all are tried, and of how many samples they are chosen."""
+OF_SPRING = "sine, of the spring"
 ZEROED, SETTLED = "zero at home", "friction settled at home"
 """What is zero at home: the encoder's error, or only the friction, which has settled there."""
 
@@ -113,6 +116,17 @@ def _is_told_from_detents(scene: Scene, angles: Sequence[float]) -> bool:
     return of_spring < TOLD * of_place
 
 
+def _detents(harmonics: int) -> Columns:
+    """A torque that waves with the place, and its mean."""
+
+    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
+        x = scene.signals.smooth_x
+        angles = [k * shape[0] * x for k in range(1, harmonics + 1)]
+        return np.column_stack([wave(angle) for angle in angles for wave in (np.sin, np.cos)] + [np.ones_like(x)])
+
+    return columns
+
+
 def _of_true_angle(home: str = "") -> Columns:
     def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
         periods, sizes = shape[0], shape[1:]
@@ -189,6 +203,19 @@ class EncoderEccentricity(Effect):
         error, _ = _error([parameters.get(name, 0.0) for name in SIZES], angle)
         return abs(float(np.mean(error))) > MOSTLY_OFFSET * float(np.std(error))
 
+    def outsider(self, form: Form, shape: tuple[float, ...], scene: Scene) -> Outsider:
+        # Magnets, teeth and balls hold a joint at equal distances: a sensor's error is felt in all that follows the deflection.
+        periods = shape[0] if "periods" in form.shapes else 1.0
+        step = np.pi / scene.signals.reach
+        starts = [(periods + more * step,) for more in DETENTS if periods + more * step > 0.0]
+        harmonics = 2 if "two harmonics" in form.name else 1
+        any_size = (np.inf,) * (2 * harmonics + 1)
+        waves = Form(
+            "a torque that waves with the place", (*(f"_wave_{k}" for k in range(2 * harmonics)), "_mean"), _detents(harmonics),
+            tuple(-size for size in any_size), any_size, ("periods",), (), [(0.3 * min(starts)[0], 2.0 * max(starts)[0])],
+        )  # fmt: skip
+        return Outsider("a torque that waves with the place, as detents make,", waves, starts, form.name == OF_SPRING)
+
     def forms(self, scene: Scene) -> list[Form]:
         reach = scene.signals.reach
         # At least half a period within the stroke, at most thirty; slower waves are an offset and a gain.
@@ -227,7 +254,7 @@ class EncoderEccentricity(Effect):
         if _is_told_from_detents(scene, usual):
             made.append(
                 # Short waves of a spring alone are those that detents make, on any spring.
-                Form("sine, of the spring", SIZES[:2], _of_spring, *small, ("periods",), (), [span], ("sine",),
+                Form(OF_SPRING, SIZES[:2], _of_spring, *small, ("periods",), (), [span], ("sine",),
                      lambda shape, _: (min(shape[0], short),), borders=[LOW],
                      equation=f"{_equation(1, '')}, in the elastic part alone")
             )  # fmt: skip

@@ -14,8 +14,8 @@ FAR = 5.0
 """Noise levels beyond which a sample stands out."""
 LARGE = 2.0
 """Size of the gap over the noise from which most of its energy is in what stands out."""
-OUTLIERS = 0.002
-"""Share of the samples up to which they are a few outliers of a recording that has no gap otherwise."""
+OUTLIERS = 3
+"""Samples up to which they are outliers of a recording that has no gap otherwise."""
 
 
 def spikes(gap: Floats) -> float:

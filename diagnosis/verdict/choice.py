@@ -23,6 +23,7 @@ from .calibration import CONFIDENCE, confidence, stated
 from .clocks import OtherClock, follows_another_clock
 from .imitation import Image, imaged_by, imitations, within_range, without_image
 from .one_factor import as_one_factor, factor_of_all, may_be_a_factor
+from .outsiders import Instead, instead
 from .own_errors import OwnErrors, needs_largest, rather_errors, rather_off, rather_two
 from .own_parts import rather_own_parts
 from .parsimony import fewest, hardly_worse, simplest
@@ -110,6 +111,8 @@ class Choice:
     images: Sequence[Image] = ()
     clock: OtherClock | None = None
     """The effect that explains the gap, but goes on with another clock than it should."""
+    outsider: Instead | None = None
+    """What is no effect here, but explains the gap in place of one that is its image."""
     strained: bool = False
     """Whether the simulator's own parameters would make the gap, but would have to be off by far too much."""
     factor: float = 0.0
@@ -235,7 +238,7 @@ def _chosen(evidence: Evidence, found: Sequence[Hypothesis]) -> Choice:
         likely |= {id(h): h.score + prior(evidence, h, size) for h in ranked if id(h) not in likely}
         ranked.sort(key=lambda h: -likely[id(h)])
     scores = np.array([likely[id(h)] for h in ranked])
-    field = _Field(evidence, found, ranked, scores, energy, errors.are_beyond_belief, is_own)
+    field = _Field(evidence, found, ranked, scores, energy, errors, is_own)
     choice = _stated(field, best, own, refit)
     doubtful = choice.verdict == [UNKNOWN] and evidence.is_beside_refit(best)
     return _rather_one(field, best, choice, size) if doubtful else choice
@@ -253,8 +256,7 @@ class _Field:
     """Of those ranked, shape (m,), with their prior odds."""
     energy: float
     """Mean square of the gap beyond the noise."""
-    strained: bool
-    """Whether the simulator's errors that make the gap by themselves are beyond belief."""
+    errors: OwnErrors
     is_own: bool
     """Whether one of its parts that is off does as well as an effect."""
 
@@ -326,12 +328,12 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     )
     verdict = sorted(best.names, key=lambda name: -evidence.rms_of(best.part(name)))
     images: list[Image] = []
-    factor, clock, strained, blamed = 0.0, None, False, False
+    factor, clock, other, strained, blamed = 0.0, None, None, False, False
     if miscalibrated and not expected:
         verdict.append(MISCALIBRATION)
     if _nothing(evidence, best, miscalibrated, features, field.is_own):
         verdict = []
-    elif _inadequate(evidence, features) or (
+    elif _inadequate(evidence, features, field.errors.spares(best)) or (
         miscalibrated and not expected and _overstretched(evidence, best, features)
     ):
         verdict = [UNKNOWN]
@@ -339,9 +341,10 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
         images = [Image(term, term.effect.image_of) for term in best.images]
         images = images or imitations(evidence.scene, found, best, refit.recalibration)
         factor = factor_of_all(evidence, found, energy) if verdict == [MISCALIBRATION] else 0.0
-        strained = verdict == [MISCALIBRATION] and field.strained
+        strained = verdict == [MISCALIBRATION] and field.errors.are_beyond_belief
         clock = follows_another_clock(evidence, best, found)
-        blamed = bool(images or factor or clock or strained)
+        other = instead(evidence, best)
+        blamed = bool(images or factor or clock or other or strained)
         verdict = [UNKNOWN] if blamed else verdict
     sure = confidence(CONFIDENCE, verdict, features)
     if blamed:
@@ -361,14 +364,14 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
         # What a simulator that is off by a little would close is no spike, nor is what its refit makes of one.
         smaller = np.minimum(np.abs(signals.gap), np.abs(misfit_refit))[rows]
         standing_out = spikes(smaller / signals.noise_floor)
-    if step > 0.0 or frequency > 0.0 or rough > 0.0 or standing_out > OUTLIERS:
+    if step > 0.0 or frequency > 0.0 or rough > 0.0 or standing_out * evidence.size > OUTLIERS:
         # They pass for noise, but a finer or better shielded sensor, or a denser recording, would tell or close them.
         verdict = [UNKNOWN]
     rivals = recalibration_rivals(evidence, verdict, best, own, found, tempered, energy)
     return Choice(
         verdict, sure, best, held, miscalibrated, left / gap_power, features,
         posterior, odds, list(field.ranked), rivals, tempered,
-        step, frequency, standing_out, rough, images, clock, strained, factor,
+        step, frequency, standing_out, rough, images, clock, other, strained, factor,
     )  # fmt: skip
 
 
@@ -438,13 +441,16 @@ def _nothing(
     return not best.terms or evidence.rms_of(best.signal) < max(NEGLIGIBLE, LITTLE * features["gap"]) * floor
 
 
-def _inadequate(evidence: Evidence, features: dict[str, float]) -> bool:
-    """Whether the best explanation leaves structure that neither noise nor an inexact law accounts for."""
+def _inadequate(evidence: Evidence, features: dict[str, float], spares: bool) -> bool:
+    """Whether the best explanation leaves structure that neither noise nor an inexact law accounts for.
+
+    What ``spares`` the simulator errors that nobody would believe may have others against it.
+    """
     gap, refitted = features["gap"], features["refitted"] and features["effects"] > 0
     # Effects that widen the gap until the simulator is bent to meet them explain nothing.
     least = 0.0 if features["signal"] > 1.5 * gap else WIDENING
     widened = features["closed_alone"] < least and not _is_clearly_there(evidence, features)
-    if refitted and gap > 3.0 and widened and not _is_partly_hidden(features):
+    if refitted and gap > 3.0 and widened and not spares and not _is_partly_hidden(features):
         return True
     # Effects may cancel each other, but a simulator that cancels them can imitate anything.
     cancels = refitted and features["largest"] > BALANCED * gap and features["closed_alone"] < ALMOST_ALL
