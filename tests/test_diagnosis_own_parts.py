@@ -57,6 +57,15 @@ def test_much_more_of_a_part_or_a_part_that_is_not_there_is_an_effect(part: str)
         assert found.verdict == [part]
 
 
+@pytest.mark.parametrize(("stronger", "verdict"), [(1.05, "miscalibration"), (1.12, "coulomb_friction")])
+def test_friction_that_slides_at_a_tenth_more_is_an_effect_and_at_less_it_is_off(stronger: float, verdict: str) -> None:
+    levels = ((5.0, 0.12), (2.0, 0.2))
+    y_sim = 3.0 * X + 0.8 * X**3 + sliders(X, levels)
+    more = sliders(X, [(stiffness, stronger * level) for stiffness, level in levels]) - sliders(X, levels)
+    found = diagnose(signals_of(TIME, X, y_sim + more, y_sim, noise_level=0.2 * np.std(more)))
+    assert found.verdict == [verdict]
+
+
 def test_a_part_that_is_off_beside_an_effect_is_no_second_effect() -> None:
     y_sim = joint("sliders", "viscous_friction")
     y_real = y_sim + 0.05 * PARTS["viscous_friction"] + 0.1
