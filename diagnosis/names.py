@@ -1,4 +1,4 @@
-"""What a verdict may name besides effects, the effect that is hard to tell from it, and how several are named."""
+"""What a verdict may name besides effects, the effects that are hard to tell from it, and how several are named."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 from . import registry
 
-__all__ = ["GAIN", "MISCALIBRATION", "UNKNOWN", "enumerated", "spoken"]
+__all__ = ["GAIN", "MISCALIBRATION", "OFFSET", "UNKNOWN", "enumerated", "spoken"]
 
 MISCALIBRATION, UNKNOWN = "miscalibration", "unknown"
-GAIN = "torque_gain"
+GAIN, OFFSET = "torque_gain", "torque_offset"
 
 
 def enumerated(names: Sequence[str]) -> str:

@@ -55,6 +55,11 @@ def reasons(choice: Choice, closed: float, reports: Sequence[EffectReport]) -> l
             f"one factor on the whole torque, {1.0 + choice.factor:.4g}, would close it: no coincidence of several errors of "
             "parameters, but an effect that is not known here"
         )
+    if choice.constant:
+        made.append(
+            f"one constant on the whole torque, {choice.constant:.4g}, would close it: no coincidence of several errors of parameters,"
+            " but an effect that is not known here"
+        )
     if (
         choice.verdict == [UNKNOWN]
         and not made

@@ -72,6 +72,16 @@ def test_an_offset_of_the_torque_is_not_blamed_on_two_errors_of_the_deflection_t
     assert diagnosed(joint(X) + 0.15).verdict == ["torque_offset"]
 
 
+def test_an_offset_of_the_torque_is_no_error_of_a_preload_that_the_simulator_has() -> None:
+    y_sim = joint(X) + 0.9
+    noise = NOISE * np.random.default_rng(3).standard_normal(X.size)
+    preloaded = Signals(TIME, X, y_sim + 0.1 + noise, y_sim, [slice(0, X.size)], {})
+    withheld = diagnose(preloaded, exclude=("torque_offset",))
+    assert withheld.verdict == ["unknown"]
+    assert any(note.startswith("one constant on the whole torque, 0.100") for note in withheld.notes)
+    assert diagnose(preloaded).verdict == ["torque_offset"]
+
+
 def test_a_shift_of_the_spring_is_not_blamed_on_a_constant_torque_and_an_asymmetry_that_make_it_up_together() -> None:
     shifted = joint(X) + spring(X - 0.03) - spring(X)
     withheld = diagnosed(shifted, ("deflection_offset",))

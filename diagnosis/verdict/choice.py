@@ -22,7 +22,7 @@ from ..recording.spikes import OUTLIERS, spikes
 from .calibration import CONFIDENCE, confidence, stated
 from .clocks import OtherClock, follows_another_clock
 from .imitation import Image, imaged_by, imitations, within_range, without_image
-from .one_factor import as_one_factor, factor_of_all, may_be_a_factor
+from .one_factor import as_one_factor, constant_of_all, factor_of_all, may_be_a_factor
 from .outsiders import Instead, instead
 from .own_errors import OwnErrors, needs_largest, rather_errors, rather_off, rather_two
 from .own_parts import rather_own_parts
@@ -117,6 +117,8 @@ class Choice:
     """Whether the simulator's own parameters would make the gap, but would have to be off by far too much."""
     factor: float = 0.0
     """Relative error of all that the simulator says which alone makes the gap, where no effect known here does that; 0 otherwise."""
+    constant: float = 0.0
+    """The same of a constant torque, N·m."""
 
     @property
     def explained(self) -> Floats:
@@ -328,7 +330,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     )
     verdict = sorted(best.names, key=lambda name: -evidence.rms_of(best.part(name)))
     images: list[Image] = []
-    factor, clock, other, strained, blamed = 0.0, None, None, False, False
+    factor, constant, clock, other, strained, blamed = 0.0, 0.0, None, None, False, False
     if miscalibrated and not expected:
         verdict.append(MISCALIBRATION)
     if _nothing(evidence, best, miscalibrated, features, field.is_own):
@@ -340,11 +342,12 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     elif not evidence.fitted:
         images = [Image(term, term.effect.image_of) for term in best.images]
         images = images or imitations(evidence.scene, found, best, refit.recalibration)
-        factor = factor_of_all(evidence, found, energy) if verdict == [MISCALIBRATION] else 0.0
-        strained = verdict == [MISCALIBRATION] and field.errors.are_beyond_belief
+        if verdict == [MISCALIBRATION]:
+            factor, constant = factor_of_all(evidence, found, energy), constant_of_all(evidence, found, energy)
+            strained = field.errors.are_beyond_belief
         clock = follows_another_clock(evidence, best, found)
         other = instead(evidence, best)
-        blamed = bool(images or factor or clock or other or strained)
+        blamed = bool(images or factor or constant or clock or other or strained)
         verdict = [UNKNOWN] if blamed else verdict
     sure = confidence(CONFIDENCE, verdict, features)
     if blamed:
@@ -371,7 +374,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
     return Choice(
         verdict, sure, best, held, miscalibrated, left / gap_power, features,
         posterior, odds, list(field.ranked), rivals, tempered,
-        step, frequency, standing_out, rough, images, clock, other, strained, factor,
+        step, frequency, standing_out, rough, images, clock, other, strained, factor, constant,
     )  # fmt: skip
 
 

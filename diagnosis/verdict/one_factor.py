@@ -1,4 +1,4 @@
-"""Whether the gap is one factor on all that the simulator says, or the errors of several of its parameters."""
+"""Whether the gap is one factor on all that the simulator says, or one constant, or the errors of several of its parameters."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 
 from ..hypotheses.evidence import Evidence, Hypothesis, Term, is_refitted
 from ..hypotheses.refinement import polish
-from ..names import GAIN
+from ..names import GAIN, OFFSET
 from .own_errors import usual
 from .priors import prior
 
-__all__ = ["as_one_factor", "factor_of_all", "may_be_a_factor"]
+__all__ = ["as_one_factor", "constant_of_all", "factor_of_all", "may_be_a_factor"]
 
 Floats = NDArray[np.float64]
 ONE_FACTOR = 0.005
-"""Share of the gap's energy that one factor on the torque may leave to be more than a coincidence of several errors."""
+"""Share of the gap's energy that one factor on the torque, or one constant, may leave to be more than a coincidence of several errors."""
 AGAINST_ONE_FACTOR = 20.0
 """Logarithm of the odds against one factor beyond which it is a coincidence in any case."""
 FOR_ONE_FACTOR = 10.0
@@ -143,6 +143,17 @@ def factor_of_all(evidence: Evidence, found: Sequence[Hypothesis], energy: float
         return 0.0
     factor, left = _factor(evidence)
     return factor if left - evidence.sigma**2 < ONE_FACTOR * energy else 0.0
+
+
+def constant_of_all(evidence: Evidence, found: Sequence[Hypothesis], energy: float) -> float:
+    """The constant torque, N·m, that makes the gap, where no effect known here is one; 0 otherwise.
+
+    A simulator with a preload would have that off, and nothing else.
+    """
+    if any(OFFSET in h.names for h in found) or energy < SMALL**2 * evidence.sigma**2:
+        return 0.0
+    left = float(np.var(evidence.gap)) - evidence.sigma**2
+    return float(np.mean(evidence.gap)) if left < ONE_FACTOR * energy else 0.0
 
 
 def _factor(evidence: Evidence) -> tuple[float, float]:
