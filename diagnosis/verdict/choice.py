@@ -367,7 +367,7 @@ def _stated(field: _Field, best: Hypothesis, own: float, refit: _Refit) -> Choic
         # What a simulator that is off by a little would close is no spike, nor is what its refit makes of one.
         smaller = np.minimum(np.abs(signals.gap), np.abs(misfit_refit))[rows]
         standing_out = spikes(smaller / signals.noise_floor)
-    if step > 0.0 or frequency > 0.0 or rough > 0.0 or standing_out * evidence.size > OUTLIERS:
+    if step > 0.0 or frequency > 0.0 or rough > 0.0 or round(standing_out * evidence.size) > OUTLIERS:
         # They pass for noise, but a finer or better shielded sensor, or a denser recording, would tell or close them.
         verdict = [UNKNOWN]
     rivals = recalibration_rivals(evidence, verdict, best, own, found, tempered, energy)
