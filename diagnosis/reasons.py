@@ -50,16 +50,13 @@ def reasons(choice: Choice, closed: float, reports: Sequence[EffectReport]) -> l
             "the simulator's own parameters would explain it, but several would have to be off by far more than a tenth: an effect"
             " that is not known here is likelier"
         )
-    if choice.factor:
-        made.append(
-            f"one factor on the whole torque, {1.0 + choice.factor:.4g}, would close it: no coincidence of several errors of "
-            "parameters, but an effect that is not known here"
-        )
-    if choice.constant:
-        made.append(
-            f"one constant on the whole torque, {choice.constant:.4g}, would close it: no coincidence of several errors of parameters,"
-            " but an effect that is not known here"
-        )
+    of_all = {"factor": choice.factor and 1.0 + choice.factor, "constant": choice.constant}
+    made += [
+        f"one {what} on the whole torque, {size:.4g}, would close it: no coincidence of several errors of parameters, but an effect that "
+        "is not known here"
+        for what, size in of_all.items()
+        if size
+    ]
     if (
         choice.verdict == [UNKNOWN]
         and not made

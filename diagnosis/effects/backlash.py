@@ -13,6 +13,7 @@ from ..operators.masses import free_flight
 from ..operators.memory import plays
 from ..recording.noise import rms
 from .base import INPUT, Columns, Effect, Floats, Form, Parameter, Scene, geometric
+from .parts import SETTLED_AT_HOME, settled_at_home
 
 __all__ = ["Backlash"]
 
@@ -25,7 +26,6 @@ quantile of the slopes there that the steps rest on: too steep only makes them s
 AT_FLANK = 1e-6
 """Distance from a flank, over the clearance's half, that is contact."""
 OF_SPRING, IN_SPRING = "of the spring", "in the elastic part alone"
-SETTLED_AT_HOME = "friction settled at home"
 OF_FRICTION, IN_FRICTION = "of the friction", "in the part with memory alone"
 FLANKS = np.linspace(-1.0, 1.0, 7)
 BEHIND = "x = x - g in all that does not follow speed or acceleration alone,  "
@@ -133,12 +133,7 @@ def _before_the_spring(behind: Columns) -> Columns:
 
 def _settled_before(behind: Columns, at_rest: Columns) -> Columns:
     """The spring knows where the flanks are, friction only how it moved since it lay ``at_rest``."""
-
-    def columns(scene: Scene, shape: tuple[float, ...]) -> Floats:
-        x = at_rest(scene, shape)
-        return (scene.torque_change(x) + scene.spring_change(behind(scene, shape)) - scene.spring_change(x))[:, None]
-
-    return columns
+    return lambda scene, shape: settled_at_home(scene, behind(scene, shape), at_rest(scene, shape))[:, None]
 
 
 def _before_the_friction(behind: Columns) -> Columns:

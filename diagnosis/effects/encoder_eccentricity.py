@@ -10,6 +10,7 @@ from scipy.signal import find_peaks
 
 from .base import INPUT, LOW, NOT, Columns, Effect, Floats, Form, Outsider, Parameter, Scene, geometric
 from .images import is_one_sided_stiffness
+from .parts import SETTLED_AT_HOME, settled_at_home
 
 __all__ = ["EncoderEccentricity"]
 
@@ -29,8 +30,8 @@ DETENTS = np.linspace(-0.25, 0.25, 5)
 FINE, ENOUGH = 3, 4000
 """How many of the periods that are too short to try them all are tried, and of how many samples they are chosen."""
 OF_SPRING = "sine, of the spring"
-ZEROED, SETTLED = "zero at home", "friction settled at home"
-"""What is zero at home: the encoder's error, or only the friction, which has settled there."""
+ZEROED = "zero at home"
+"""How laws are called by which the encoder's error is zero there; by others only the friction is, which has settled."""
 
 
 def _error(sizes: Sequence[float], angle: Floats) -> tuple[Floats, Floats]:
@@ -63,7 +64,7 @@ def _shift(scene: Scene, home: str) -> Floats | float:
         return 0.0
     x, small = scene.signals.x, SMALL * scene.signals.reach
     shift = scene.remembered("shift", lambda: scene.torque_change(x - small) / small)
-    return shift + scene.spring_change(x + small) / small if home == SETTLED else shift
+    return shift + scene.spring_change(x + small) / small if home == SETTLED_AT_HOME else shift
 
 
 def _columns(harmonics: int, home: str = "") -> Columns:
@@ -137,10 +138,9 @@ def _of_true_angle(home: str = "") -> Columns:
         for _ in range(3):
             error, steepness = _error(sizes, periods * true)
             true = true - (true - x - error + at_home) / np.maximum(1.0 - periods * steepness, 0.3)
-        change = scene.torque_change(true)
-        if home == SETTLED:
-            change = change + scene.spring_change(true + at_home) - scene.spring_change(true)
-        return change[:, None]
+        if home == SETTLED_AT_HOME:
+            return settled_at_home(scene, true + at_home, true)[:, None]
+        return scene.torque_change(true)[:, None]
 
     return columns
 
@@ -161,7 +161,7 @@ def _equation(harmonics: int, home: str, of: str = "x") -> str:
     waves = [wave("", ""), wave("_2", "2 * ")][:harmonics]
     equation = f"x = x + {' + '.join(waves)}" if of == "x" else f"x = z,  z = x + {' + '.join(waves)}"
     more = " + ".join(SIZES[1 : 2 * harmonics : 2])
-    return f"{equation}, and {more} more in the elastic part" if home == SETTLED else equation
+    return f"{equation}, and {more} more in the elastic part" if home == SETTLED_AT_HOME else equation
 
 
 def _from_sine(shape: tuple[float, ...], coefficients: Floats) -> tuple[float, ...]:
@@ -208,13 +208,13 @@ class EncoderEccentricity(Effect):
         periods = shape[0] if "periods" in form.shapes else 1.0
         step = np.pi / scene.signals.reach
         starts = [(periods + more * step,) for more in DETENTS if periods + more * step > 0.0]
-        harmonics = 2 if "two harmonics" in form.name else 1
+        harmonics = len({*form.coefficients, *form.shapes}.intersection(SIZES)) // 2
         any_size = (np.inf,) * (2 * harmonics + 1)
         waves = Form(
             "a torque that waves with the place", (*(f"_wave_{k}" for k in range(2 * harmonics)), "_mean"), _detents(harmonics),
             tuple(-size for size in any_size), any_size, ("periods",), (), [(0.3 * min(starts)[0], 2.0 * max(starts)[0])],
         )  # fmt: skip
-        return Outsider("a torque that waves with the place, as detents make,", waves, starts, form.name == OF_SPRING)
+        return Outsider(f"{waves.name}, as detents make,", waves, starts, form.name == OF_SPRING)
 
     def forms(self, scene: Scene) -> list[Form]:
         reach = scene.signals.reach
@@ -227,7 +227,7 @@ class EncoderEccentricity(Effect):
         unit = ("_unit",), (1.0,), (1.0,)
         span, size = (low, high), (-wide, wide)
         made = []
-        for home in ("", ZEROED, SETTLED):
+        for home in ("", ZEROED, SETTLED_AT_HOME):
             told = f", {home}" if home else ""
             sine = f"sine{told}"
             made += [

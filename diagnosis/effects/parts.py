@@ -15,11 +15,13 @@ __all__ = [
     "FOUND_SPRING",
     "FOUND_SPRING_EQUATION",
     "PARTS",
+    "SETTLED_AT_HOME",
     "Part",
     "by_strength",
     "inside",
     "law_of",
     "odd_spring",
+    "settled_at_home",
     "times",
     "unlike",
 ]
@@ -52,10 +54,20 @@ PARTS: Mapping[str, Part] = {
 slope of both, or the level at which friction slides."""
 EXACT_PARTS = "the spring", "the friction"
 """Those that are known as they are, whatever the change: a strength that changes with a corner is not known well enough."""
+SETTLED_AT_HOME = "friction settled at home"
+"""How laws are called by which only the spring knows where the deflection is; see :func:`settled_at_home`."""
 BARELY = 0.05
 """What is left at least of a stiffness that is lost."""
 A_LITTLE = 0.05
 """Gain of friction's strength that counts as small."""
+
+
+def settled_at_home(scene: Scene, x: Floats, moved: Floats) -> Floats:
+    """Change of the simulator's output, N·m, shape (n,), if its spring were at ``x`` (n,) and its friction had ``moved`` (n,), rad.
+
+    Friction that lay at rest when the recording began knows only how the joint has moved since.
+    """
+    return scene.torque_change(moved) + scene.spring_change(x) - scene.spring_change(moved)
 
 
 def times(laws: Columns, *parts: Callable[[Scene], Floats]) -> Columns:

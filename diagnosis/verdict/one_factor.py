@@ -139,10 +139,7 @@ def _is_a_factor(evidence: Evidence, energy: float, least: float, most_left: flo
 
 def factor_of_all(evidence: Evidence, found: Sequence[Hypothesis], energy: float) -> float:
     """The relative error of the whole torque, where it makes the gap and no effect known here does that; 0 otherwise."""
-    if any(GAIN in h.names for h in found) or energy < SMALL**2 * evidence.sigma**2:
-        return 0.0
-    factor, left = _factor(evidence)
-    return factor if left - evidence.sigma**2 < ONE_FACTOR * energy else 0.0
+    return _if_of_all(evidence, found, energy, GAIN, *_factor(evidence))
 
 
 def constant_of_all(evidence: Evidence, found: Sequence[Hypothesis], energy: float) -> float:
@@ -150,10 +147,17 @@ def constant_of_all(evidence: Evidence, found: Sequence[Hypothesis], energy: flo
 
     A simulator with a preload would have that off, and nothing else.
     """
-    if any(OFFSET in h.names for h in found) or energy < SMALL**2 * evidence.sigma**2:
+    gap = evidence.gap
+    return _if_of_all(evidence, found, energy, OFFSET, float(np.mean(gap)), float(np.var(gap)))
+
+
+def _if_of_all(
+    evidence: Evidence, found: Sequence[Hypothesis], energy: float, effect: str, size: float, left: float
+) -> float:
+    """``size`` where what is ``left`` with it, a mean square, is noise and the ``effect`` that it would be is not known here; else 0."""
+    if any(effect in h.names for h in found) or energy < SMALL**2 * evidence.sigma**2:
         return 0.0
-    left = float(np.var(evidence.gap)) - evidence.sigma**2
-    return float(np.mean(evidence.gap)) if left < ONE_FACTOR * energy else 0.0
+    return size if left - evidence.sigma**2 < ONE_FACTOR * energy else 0.0
 
 
 def _factor(evidence: Evidence) -> tuple[float, float]:
